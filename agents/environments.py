@@ -10,7 +10,6 @@ import solar_env  # noqa: F401  (registers the environment ids)
 from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
-from solar_env.support.numbers import plain
 
 NAMESPACE = "solar_env/"  # of the environment ids
 DEFAULT_ENV_ID = DEPLOY
@@ -53,30 +52,6 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
     nominal = settings.array.for_each_joint(SAMPLED)
     low, high = (tuple(rate + change for rate in nominal) for change in (-RELEASE_RATE, RELEASE_RATE))
     return {"randomize": {SAMPLED: (low, high)}, **env_kwargs}
-
-
-def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
-    """Return `env_kwargs`, also as JSON keeps them, without the range that `with_sampling` has added.
-
-    Raises:
-        ValueError: As `with_sampling`.
-    """
-    asked = {name: value for name, value in env_kwargs.items() if name != "randomize"}
-    drawn = {name: plain(bounds) for name, bounds in env_kwargs.get("randomize", {}).items()}
-    return asked if with_sampling(asked, env_id).get("randomize") == drawn else dict(env_kwargs)
-
-
-def with_model(
-    env_kwargs: Mapping[str, Any], model: str | None = None, default: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
-    """Return `env_kwargs` with the option `--model` if it is not None, else with the model of `default`.
-
-    Raises:
-        ValueError: `env_kwargs` hold another model.
-    """
-    if model is not None and env_kwargs.get("model", model) != model:
-        raise ValueError(f"--model {model} contradicts --env-kwargs model={env_kwargs['model']}; give one of them")
-    return {**(default or {}), **env_kwargs, **({} if model is None else {"model": model})}
 
 
 def environment_settings(
@@ -127,8 +102,8 @@ def _registered() -> list[str]:
     return sorted(name for name in gymnasium.registry if name.startswith(NAMESPACE))
 
 
-def check_episode_seeds(seed: int, count: int) -> None:
-    """Refuse a seed or a number of episodes for which the blocks of `episode_seeds` would overlap.
+def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
+    """List `count` environment seeds; those of two purposes, or of two values of `seed`, never coincide.
 
     Raises:
         ValueError: `seed` is outside 0 .. 99 999 or `count` outside 1 .. 10 000.
@@ -138,14 +113,5 @@ def check_episode_seeds(seed: int, count: int) -> None:
         raise ValueError(f"seed is {seed}; choose one from 0 to {seeds_per_block - 1}")
     if not 1 <= count <= EPISODES_PER_SEED:
         raise ValueError(f"the number of episodes is {count}; choose one from 1 to {EPISODES_PER_SEED}")
-
-
-def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
-    """List `count` environment seeds; those of two purposes, or of two values of `seed`, never coincide.
-
-    Raises:
-        ValueError: As `check_episode_seeds`.
-    """
-    check_episode_seeds(seed, count)
     start = _BLOCKS[purpose] * _BLOCK_SIZE + seed * EPISODES_PER_SEED
     return list(range(start, start + count))

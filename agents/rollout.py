@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 
 from agents.torque_laws import Controller
-from solar_env.mechanics.arrays.columns import ANGLE, RATE
+from solar_env.mechanics.arrays.columns import RATE
 from solar_env.support.numbers import is_number
 
 UNITS = ("s", "N", "Ns", "J", "m")
@@ -24,7 +24,6 @@ class Step:
     time_s: float
     observation: np.ndarray  # at the end of the period
     action: np.ndarray
-    openings: np.ndarray  # (joints,) angles in units of their lock angles
     rates: np.ndarray  # (joints,) [rad/s]
     motor_torque: float  # at the end of the period [N m]
     peak_forces: np.ndarray  # (joints,) greatest contact force of the period [N]; with ideal joints the reaction
@@ -65,11 +64,9 @@ def are_figures(content: object) -> bool:
 
 def _step(env: Any, observation: np.ndarray, action: np.ndarray, info: Mapping[str, Any]) -> Step:
     """Make the record of the control period that has just ended."""
-    joints, loads, array = env.simulation.state.joints, env.simulation.joint_loads(), env.episode_parameters
-    openings = loads[:, ANGLE] / [joint.lock_angle for joint in array.joints]
+    joints, rates = env.simulation.state.joints, env.simulation.joint_loads()[:, RATE].copy()
     torque, forces = float(joints["motor_torque"][env.task.driven_joint]), joints["recent_peak_force"].copy()
-    rates = loads[:, RATE].copy()
-    return Step(info["time_s"], observation, action, openings, rates, torque, forces, info["reward_terms"])
+    return Step(info["time_s"], observation, action, rates, torque, forces, info["reward_terms"])
 
 
 def episode_figures(deployment: Mapping[str, Any], reward_terms: Mapping[str, float]) -> dict[str, float | int | bool]:

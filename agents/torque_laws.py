@@ -167,11 +167,9 @@ class LawParameters:
         """Make parameters from values as JSON keeps them.
 
         Raises:
-            ValueError: They are no mapping, or the keys are not those of the law.
+            ValueError: The keys are not those of the law.
         """
         expected = {f.name for f in fields(cls)}
-        if not isinstance(values, Mapping):
-            raise ValueError(f"the parameters are {values!r}; expected a mapping of {sorted(expected)}")
         if set(values) != expected:
             raise ValueError(f"the keys are {sorted(values)}; expected {sorted(expected)}")
         return cls(**{key: tuple(value) if isinstance(value, list) else value for key, value in values.items()})

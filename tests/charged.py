@@ -12,7 +12,7 @@ import pytest
 
 import solar_env
 from agents.environments import with_sampling
-from agents.laws.damper import DamperParameters, ViscousDamper
+from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.torque_laws import Signals
 from solar_env.array.methods import default_integrator
 from solar_env.environment.registration import DEPLOY

@@ -99,14 +99,14 @@ def saved_figures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 @pytest.fixture
 def configs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder of configurations of its own, with a brake tuned for two of the models."""
+    """A folder of configurations of its own, with a damper tuned for two of the models."""
     from agents.environments import DEFAULT_ENV_ID
     from agents.laws import baselines
 
     monkeypatch.setattr(baselines, "CONFIGS", tmp_path)
-    torques = {"rigid-clearance": 0.1, "flexible-clearance": 0.2}
-    tuned = {model: {"parameters": {"torque": torque, "onset": 0.0}} for model, torque in torques.items()}
-    (tmp_path / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))
+    dampings = {"rigid-clearance": 0.1, "flexible-clearance": 0.2}
+    tuned = {model: {"parameters": {"damping": d, "postlock_damping": 0.0}} for model, d in dampings.items()}
+    (tmp_path / "damper.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))
     return tmp_path
 
 

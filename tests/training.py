@@ -7,10 +7,9 @@ from agents.environments import DEFAULT_ENV_ID
 from agents.learning import checkpoints, learn, runs
 from agents.policies import shipped
 from agents.policies.network import Layer, PolicyNetwork
-from agents.policies.policy import Description, ShippedPolicy
+from agents.policies.shipped import UNITS, Description, ShippedPolicy
 from solar_env.commands.arguments import parse_arguments
 
-UNITS = ("torque_limit", "deadline", "control_period", "postlock_window")
 RIGID = ["--model", "rigid-clearance"]
 OFF_POLICY = [*RIGID, "--n-envs", "1"]
 OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
@@ -24,27 +23,19 @@ def run(*arguments):
     return train.run(parse_arguments(train.Args, words, "solar-env train"))
 
 
-def write_history(folder, results, timesteps=None):
-    """Write the history of a run's validations, (n, episodes) returns."""
-    results = np.asarray(results, dtype=float)
-    steps = np.arange(len(results)) if timesteps is None else timesteps
-    np.savez(folder / runs.EVALUATIONS, timesteps=steps, results=results, ep_lengths=np.ones(results.shape, dtype=int))
-
-
 def last_model(folder):
     """The model that the run in a folder has come to."""
-    config = runs.stored_configuration(folder)
-    return checkpoints.read(folder).restore(config, learn.make_training_env(config, threads=1), folder=folder)
+    config = runs.read_config(folder)
+    return checkpoints.restored(checkpoints.read(folder), config, learn.make_training_env(config, threads=1), folder)
 
 
 def write_policy(folder, output=None, **changes):
     """Write a policy with a layer of output, by default one that does nothing, and changes of its description."""
     described = {"algorithm": "ppo", "training_steps": 0, "env_id": DEFAULT_ENV_ID, "env_kwargs": {}}
-    described |= {"feature_limit": 1.0, "activation": "tanh", "output": "clip", "mean_limit": None}
+    described |= {"observation_limit": 1.0, "activation": "tanh", "output": "clip", "mean_limit": None}
     described |= {"observation_names": ("theta_1",), **dict.fromkeys(UNITS, 1.0), **changes}
-    entries = len(described["observation_names"])
-    output = output or Layer(np.zeros((1, entries), np.float32), np.zeros(1, np.float32))
-    network = PolicyNetwork((Layer(np.eye(entries), np.zeros(entries)), output), 1.0, "tanh", "clip")
+    output = output or Layer(np.zeros((1, len(described["observation_names"])), np.float32), np.zeros(1, np.float32))
+    network = PolicyNetwork((output,), 1.0, "tanh", "clip")
     folder.mkdir(exist_ok=True)
     shipped.save(folder, ShippedPolicy(network, Description(**described)))
     return Description(**described)

@@ -4,7 +4,6 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from agents.environments import with_model
 from solar_env.commands.arguments import Assignments
 
 
@@ -18,5 +17,12 @@ class ModelOptions:
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 
     def keywords(self, default: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the environment keywords that the options ask for, see `with_model`."""
-        return with_model(self.env_kwargs, self.model, default)
+        """Return the environment keywords that the options ask for, on top of those of `default`.
+
+        Raises:
+            ValueError: Both options name a model, and not the same.
+        """
+        model, given = self.model, self.env_kwargs
+        if model is not None and given.get("model", model) != model:
+            raise ValueError(f"--model {model} contradicts --env-kwargs model={given['model']}; give one of them")
+        return {**(default or {}), **given, **({} if model is None else {"model": model})}

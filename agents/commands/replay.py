@@ -1,27 +1,37 @@
 """Command that shows one episode of several controllers: `solar-env replay`."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import gymnasium
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 
 from agents.commands.arguments import ModelOptions
-from agents.commands.showing.film import FORMATS, check_film, filmed, write_film
-from agents.commands.showing.page import evaluations, replay_page
 from agents.comparison.controllers import parse_controllers
+from agents.comparison.evaluation import MODEL
 from agents.comparison.figures import deployments_figure
-from agents.comparison.suites import MODEL
+from agents.comparison.report import TABLE
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller
+from solar_env.array import ArrayParameters
 from solar_env.commands.arguments import CommandRecord, QuietOption
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.pictures.gif import write_gif
+from solar_env.pictures.page.content import Page, Table
 from solar_env.pictures.page.document import write_page
+from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table
 from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
+from solar_env.support.versions import versions
+
+# Of a film: height of a controller's name and width of a frame [pixels], frames a second, times real time.
+CAPTION, WIDTH, FRAMES_PER_SECOND, SPEED = 28, 640, 10.0, 3.0
 
 
 @dataclass
@@ -34,7 +44,7 @@ class Args(ModelOptions, QuietOption, CommandRecord):
     controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
     """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
     out: Path = Path("replay.html")
-    """page in motion that needs no network, .html; film, .mp4, or three times as fast, .gif; figure, .png"""
+    """page in motion that needs no network, .html; film, three times as fast, .gif; figure, .png"""
     seed: int = 0
     """chooses the evaluation episode"""
     env_id: str = DEFAULT_ENV_ID
@@ -43,13 +53,11 @@ class Args(ModelOptions, QuietOption, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    check_target(args.out, (".html", *FORMATS, ".png"))
+    check_target(args.out, (".html", ".gif", ".png"))
     suffix, (seed,) = args.out.suffix.lower(), episode_seeds("evaluation", args.seed, 1)
-    if suffix in FORMATS:
-        check_film(args.out)
+    if suffix == ".gif":
         shown = _each(args, render_mode="rgb_array")
-        films = [filmed(env, controller, name, seed, FORMATS[suffix]) for name, controller, env in shown]
-        write_film(films, args.out)
+        write_film([filmed(env, controller, name, seed) for name, controller, env in shown], args.out)
     elif suffix == ".png":
         steps: dict[str, list[Step]] = {}
         for name, controller, env in _each(args):
@@ -62,7 +70,7 @@ def run_command(args: Args) -> int:
             recorded = RecordTrajectory(env)
             figures[name] = run_episode(recorded, controller, seed)
             episodes[name] = recorded.trajectory
-        write_page(replay_page(episodes, figures, args.command, evaluations(args.controllers)), args.out)
+        write_page(replay_page(episodes, figures, args.command), args.out)
     print(f"written to {args.out}")
     return 0
 
@@ -74,10 +82,68 @@ def _each(args: Args, **keywords: Any) -> Iterator[tuple[str, Controller, gymnas
         ValueError, OSError: There is no controller of a name, or its files cannot be loaded.
     """
     asked = {**args.keywords(MODEL), **keywords}
-    named = parse_controllers(args.controllers)
-    for controller in named:
-        controller.training()  # refuses damaged files before any work
+    interfaces = {controller: controller.interface() for controller in parse_controllers(args.controllers)}
     with counting_bar(args.console) as bar:
-        for controller in bar.track(named, description="episodes"):
-            env = make_env(args.env_id, with_sampling({**asked, **controller.interface()}, args.env_id))
+        for controller, interface in bar.track(interfaces.items(), description="episodes"):
+            env = make_env(args.env_id, with_sampling({**asked, **interface}, args.env_id))
             yield controller.name, controller.load(env), env
+
+
+def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, Any]], command: str) -> Page:
+    """The page of episodes by the names of their controllers, with the figures of `run_episode`."""
+    softest = min(episodes, key=lambda name: np.nan_to_num(figures[name]["peak_postlock_force_N"], nan=np.inf))
+    best = max(episodes, key=lambda name: figures[name]["return"])
+    answer = [
+        f"Of {len(episodes)} controllers {softest} lands softest, with at most "
+        f"{figures[softest]['peak_postlock_force_N']:.3g} N after latching; {best} has the highest return, "
+        f"{figures[best]['return']:.3g}.",
+        "One episode, the same for all: impacts are chaotic, so compare many with solar-env evaluate.",
+    ]
+    shown = {name: row for name, row in TABLE.items() if all(name in own for own in figures.values())}
+    rows = [
+        [words, *(f"{factor * own[name]:.4g}" for own in figures.values())] for name, (words, factor) in shown.items()
+    ]
+    terms = [name for name in next(iter(figures.values())) if name.startswith("reward_")]
+    rows += [[name.replace("_", " "), *(f"{own[name]:.3g}" for own in figures.values())] for name in terms]
+    table = Table("Figures of the episode", ["figure", *figures], rows)
+    motions = [motion_of(trajectory, name) for name, trajectory in episodes.items()]
+    notes = [f"Made by: {command}", ", ".join(f"{name} {value}" for name, value in versions().items())]
+    array = ArrayParameters().with_changes(next(iter(episodes.values())).metadata["parameters"])
+    tables = [table, parameter_table(array)]
+    return Page("One episode, " + " beside ".join(episodes), answer, motions, charts_of(episodes), tables, notes)
+
+
+def filmed(env: Any, controller: Controller, name: str, seed: int) -> list[Image.Image]:
+    """Run an episode of an environment with `render_mode="rgb_array"`; its frames, under the controller's name."""
+    film: list[Image.Image] = []
+    interval = SPEED / FRAMES_PER_SECOND
+
+    def record(step: Step) -> None:
+        due = math.ceil(step.time_s / interval - 1e-6) - len(film)
+        if due > 0:
+            film.extend([_captioned(env.render(), name)] * due)
+
+    run_episode(env, controller, seed, record)
+    return film
+
+
+def _captioned(frame: np.ndarray, name: str) -> Image.Image:
+    """A frame in the film's width, under the name of its controller."""
+    image = Image.fromarray(frame)
+    height = round(WIDTH * image.height / image.width)
+    captioned = Image.new("RGB", (WIDTH, CAPTION + height), "white")
+    captioned.paste(image.resize((WIDTH, height), Image.Resampling.LANCZOS), (0, CAPTION))
+    ImageDraw.Draw(captioned).text((10, 5), name, "black", ImageFont.load_default(16))
+    return captioned
+
+
+def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
+    """Write films as one GIF, one above the other; a film that ends first stays on its last frame."""
+    width, height = films[0][0].size
+    frames = []
+    for k in range(max(map(len, films))):
+        frame = Image.new("RGB", (width, height * len(films)))
+        for row, film in enumerate(films):
+            frame.paste(film[min(k, len(film) - 1)], (0, height * row))
+        frames.append(frame)
+    write_gif(frames, path, FRAMES_PER_SECOND)

@@ -1,7 +1,7 @@
 """Command that tunes a torque law by CMA-ES on the environment's return: `solar-env tune`."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated
 
@@ -9,9 +9,9 @@ import numpy as np
 import tyro
 
 from agents.commands.arguments import ModelOptions
-from agents.comparison.episodes import mean_returns
+from agents.comparison.evaluation import mean_returns
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
-from agents.laws.baselines import CONFIGS, episodes_spent, load_parameters, store_parameters
+from agents.laws.baselines import CONFIGS, load_parameters, store_parameters, tuning_of
 from agents.laws.table import TUNABLE
 from agents.learning import runs
 from solar_env.commands.arguments import CommandRecord, WorkerOptions
@@ -41,71 +41,50 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
     """environment id"""
 
 
-def tune(
-    objective: Callable[[Sequence[np.ndarray], Sequence[int]], Sequence[float]],
-    start: np.ndarray,
-    episodes: int,
-    episodes_per_candidate: int,
-    seed: int,
-    progress: bool = True,
-    spread: float = 0.25,
-) -> list[np.ndarray]:
-    """`minimise` with common random numbers: all points of a generation have the same fresh training episodes.
-
-    `objective` maps points and the seeds of `episodes_per_candidate` episodes to the costs of the points; the budget is
-    in episodes, and `seed` that of the search and of its episodes.
-    """
-    used = 0
-
-    def costs(points: Sequence[np.ndarray]) -> Sequence[float]:
-        nonlocal used
-        used += episodes_per_candidate
-        return objective(points, episode_seeds("training", seed, used)[-episodes_per_candidate:])
-
-    return minimise(costs, start, episodes // episodes_per_candidate, seed, progress, spread)
-
-
 def run_command(args: Args) -> int:
     """Run the command; see `Args`. A ValueError says that there is nothing to tune, or the budget is too small."""
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
-    check_target(CONFIGS / f"{args.controller}.json")
-    untuned = TUNABLE[args.controller].defaults
-    env_kwargs = with_sampling(args.keywords(), args.env_id)
-
-    workers = args.workers
-    simulated = 0
-
-    def costs(points: Sequence[np.ndarray], seeds: Sequence[int]) -> list[float]:
-        nonlocal simulated
-        simulated += len(points) * len(seeds)
-        parameters = [untuned.from_unit(np.clip(point, 0.0, 1.0)) for point in points]
-        returns = mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)
-        return [-value for value in returns]
-
-    model = environment_settings(args.env_id, env_kwargs).level.name
-    validation = episode_seeds("validation", args.seed, args.validation_episodes)
     if args.episodes_per_candidate < 1:
         raise ValueError(f"--episodes-per-candidate is {args.episodes_per_candidate}; give a positive number")
+    check_target(CONFIGS / f"{args.controller}.json")
+    untuned = TUNABLE[args.controller].defaults
+    env_kwargs, workers = with_sampling(args.keywords(), args.env_id), args.workers
+    model = environment_settings(args.env_id, env_kwargs).level.name
+    validation = episode_seeds("validation", args.seed, args.validation_episodes)
     start = load_parameters(args.controller, args.refine, model) if args.refine else untuned
-    spent = episodes_spent(args.controller, args.refine, model) if args.refine else 0
-    budget = args.episodes, args.episodes_per_candidate
+    before = tuning_of(args.controller, args.refine, model) if args.refine else {}
+    generations, simulated = 0, 0
+
+    def returns(points: Sequence[np.ndarray], seeds: Sequence[int]) -> list[float]:
+        parameters = [untuned.from_unit(np.clip(point, 0.0, 1.0)) for point in points]
+        return mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)
+
+    def costs(points: Sequence[np.ndarray]) -> list[float]:
+        """All points of a generation have the same fresh training episodes."""
+        nonlocal generations, simulated
+        generations += 1
+        simulated += len(points) * args.episodes_per_candidate
+        seeds = episode_seeds("training", args.seed, generations * args.episodes_per_candidate)
+        return [-value for value in returns(points, seeds[-args.episodes_per_candidate :])]
+
+    points = args.episodes // args.episodes_per_candidate
     spread = 0.05 if args.refine else 0.25
-    candidates = tune(costs, start.to_unit(), *budget, args.seed, progress=not args.quiet, spread=spread)
-    trained = simulated
-    returns = [-cost for cost in costs(candidates, validation)]
-    best = int(np.argmax(returns))
+    candidates = minimise(costs, start.to_unit(), points, args.seed, not args.quiet, spread)
+    validated = returns(candidates, validation)
+    best = int(np.argmax(validated))
+    spent = before.get("training_episodes_with_start", before.get("training_episodes", 0))
     entry = {
         "parameters": asdict(untuned.from_unit(candidates[best])),
         "tuning": {
             "command": args.command,
             "env_kwargs": runs.jsonable(env_kwargs),
             "start": asdict(start),
-            "training_episodes": trained,
-            "training_episodes_with_start": spent + trained,
+            "training_episodes": simulated,
+            "training_episodes_with_start": spent + simulated,
             "seed": args.seed,
-            "validation_return": returns[best],
-            "validation_return_before_tuning": returns[0],
+            "validation_return": validated[best],
+            "validation_return_before_tuning": validated[0],
         },
     }
     path = store_parameters(args.controller, args.env_id, model, entry)

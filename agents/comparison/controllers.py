@@ -1,7 +1,6 @@
 """Controllers by name: rows of the table of laws, shipped policies, and run folders."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,11 +9,11 @@ import gymnasium
 
 from agents.comparison.receding_horizon import RecedingHorizon
 from agents.environments import INTERFACE
-from agents.laws.baselines import episodes_spent, make_baseline
-from agents.laws.table import LAWS, TUNABLE
+from agents.laws.baselines import make_baseline
+from agents.laws.table import LAWS
 from agents.learning import runs
 from agents.policies import shipped
-from agents.policies.policy import ShippedPolicy
+from agents.policies.shipped import Description, ShippedPolicy
 from agents.torque_laws import Controller
 
 SEARCH_AROUND = "receding-horizon:"
@@ -22,7 +21,7 @@ SEARCH_AROUND = "receding-horizon:"
 
 
 @dataclass(frozen=True)
-class NamedController(ABC):
+class NamedController:
     """A controller as a command line names it.
 
     Attributes:
@@ -31,111 +30,61 @@ class NamedController(ABC):
 
     Raises:
         FileNotFoundError: By the methods, where there is no such run or it has no policy.
-        ValueError: By `load` and `effort`, where the controller does not fit the environment.
+        ValueError: By the methods, where a file is damaged, and by `load`, where the controller does not fit the
+            environment.
     """
 
     name: str
     spec: str
 
-    @abstractmethod
+    @property
+    def base(self) -> str:
+        """Spec of the controller, or of the one that a search begins at."""
+        return self.spec.removeprefix(SEARCH_AROUND)
+
+    @property
+    def folder(self) -> Path:
+        """Folder of a trained policy."""
+        return shipped.SHIPPED / self.base if self.base in shipped.available() else Path(self.base)
+
     def load(self, env: gymnasium.Env) -> Controller:
         """Make the controller for `env`."""
+        controller: Controller
+        if self.base in LAWS:
+            controller = make_baseline(self.base, env)
+        else:
+            controller = policy = self.policy()
+            policy.check(env)
+        return RecedingHorizon(env, controller) if self.spec != self.base else controller
+
+    def policy(self) -> ShippedPolicy:
+        """Read a trained policy."""
+        if not any((self.folder / name).is_file() for name in (shipped.DESCRIPTION, runs.CONFIG)):
+            known = ", ".join((*LAWS, *shipped.available()))
+            raise FileNotFoundError(
+                f"no controller {self.base!r}: it is no run folder of train.py, and none of {known}"
+            )
+        return runs.best_policy(self.folder)
 
     def files(self) -> list[Path]:
         """List the files that determine a trained controller; none for a law."""
-        return []
+        return [] if self.base in LAWS else [self.folder / name for name in runs.POLICY]
 
-    def training(self) -> Mapping[str, Any]:
-        """Return the record of the training, with `env_id` and `env_kwargs`; empty for a law.
-
-        Raises:
-            FileNotFoundError, ValueError: A file is missing or damaged; the message names it.
-        """
-        return {}
-
-    @abstractmethod
-    def effort(self, env_id: str, model: str) -> str | None:
-        """Say how much was simulated to tune or train the controller for an environment; None for nothing."""
+    def training(self) -> Description | None:
+        """Read the record of the training; None for a law."""
+        return None if self.base in LAWS else self.policy().description
 
     @property
     def resolved(self) -> str:
         """Spec that names the same controller from any working directory."""
-        return self.spec
+        named = self.base in LAWS or self.base in shipped.available()
+        return self.spec if named else self.spec.removesuffix(self.base) + str(self.folder.resolve())
 
     def interface(self) -> dict[str, Any]:
         """Return the environment keywords of the training that say what is observed and what an action is."""
-        trained = self.training().get("env_kwargs", {})
+        training = self.training()
+        trained = training.env_kwargs if training else {}
         return {name: trained[name] for name in INTERFACE if name in trained}
-
-
-class _Law(NamedController):
-    """A controller without learning."""
-
-    def load(self, env: gymnasium.Env) -> Controller:
-        return make_baseline(self.spec, env)
-
-    def effort(self, env_id: str, model: str) -> str | None:
-        return f"{episodes_spent(self.spec, env_id, model):,} episodes" if self.spec in TUNABLE else None
-
-
-class _Search(NamedController):
-    """A search with foresight around another controller, `receding-horizon:OTHER`."""
-
-    @property
-    def base(self) -> NamedController:
-        return parse_controller(self.spec.removeprefix(SEARCH_AROUND))
-
-    def load(self, env: gymnasium.Env) -> Controller:
-        return RecedingHorizon(env, self.base.load(env))
-
-    def files(self) -> list[Path]:
-        return self.base.files()
-
-    def training(self) -> Mapping[str, Any]:
-        return self.base.training()
-
-    def effort(self, env_id: str, model: str) -> str | None:
-        return self.base.effort(env_id, model)
-
-    @property
-    def resolved(self) -> str:
-        return SEARCH_AROUND + self.base.resolved
-
-
-class _Policy(NamedController):
-    """A trained policy as arrays: one that comes with this package, the best one of a run, or an exported one."""
-
-    @property
-    def folder(self) -> Path:
-        return shipped.SHIPPED / self.spec if self.spec in shipped.available() else Path(self.spec)
-
-    def policy(self) -> ShippedPolicy:
-        if not any((self.folder / name).is_file() for name in (shipped.DESCRIPTION, runs.CONFIG)):
-            known = ", ".join((*LAWS, *shipped.available()))
-            raise FileNotFoundError(
-                f"no controller {self.spec!r}: it is no run folder of train.py, and none of {known}"
-            )
-        return runs.best_policy(self.folder)
-
-    def load(self, env: gymnasium.Env) -> Controller:
-        policy = self.policy()
-        policy.check(env)
-        return policy
-
-    def files(self) -> list[Path]:
-        self.policy()
-        return [self.folder / name for name in runs.POLICY]
-
-    def training(self) -> Mapping[str, Any]:
-        return vars(self.policy().description)
-
-    def effort(self, env_id: str, model: str) -> str:
-        steps = self.training()["training_steps"]
-        return f"{runs.steps_taken(self.folder) if (self.folder / runs.CONFIG).is_file() else steps:,} steps"
-
-    @property
-    def resolved(self) -> str:
-        return self.spec if self.spec in shipped.available() else str(self.folder.resolve())
 
 
 def parse_controller(text: str) -> NamedController:
@@ -149,13 +98,13 @@ def parse_controller(text: str) -> NamedController:
     name, separator, spec = text.partition("=")
     if not separator or Path(text).is_dir():
         name, spec = Path(text).name or Path(text).resolve().name, text
-    if f"{spec}:" == SEARCH_AROUND and not Path(spec).is_dir():
-        raise ValueError(f"{spec!r} searches around another controller: name it, as in {SEARCH_AROUND}servo")
-    if spec.startswith(SEARCH_AROUND):
-        if isinstance(parse_controller(spec.removeprefix(SEARCH_AROUND)), _Search):
-            raise ValueError(f"{spec!r} is a search around a search; name a law, a shipped policy or a run folder")
-        return _Search(name if separator else text, spec)
-    return (_Law if spec in LAWS else _Policy)(name, spec)
+    search = spec.startswith(SEARCH_AROUND)
+    base = spec.removeprefix(SEARCH_AROUND)
+    if not Path(spec).is_dir() and f"{base}:".startswith(SEARCH_AROUND):
+        raise ValueError(
+            f"{spec!r} searches around another controller, and not around a search: name it, as in {SEARCH_AROUND}servo"
+        )
+    return NamedController(text if search and not separator else name, spec)
 
 
 def parse_controllers(texts: Sequence[str]) -> list[NamedController]:
@@ -166,16 +115,11 @@ def parse_controllers(texts: Sequence[str]) -> list[NamedController]:
     """
     named = [parse_controller(text) for text in texts]
     pairs = [(controller.name, controller.resolved) for controller in named]
-    for name, spec in pairs:
+    for (name, spec), text in zip(pairs, texts, strict=True):
         if (times := pairs.count((name, spec))) > 1:
             raise ValueError(f"{name} is given {times} times; its episodes would count as many times")
-        if spec in LAWS and any(other == name and of != spec for other, of in pairs):
-            raise ValueError(f"{spec} and another controller are both called {name}; give the other its own name")
-    specs: dict[str, str] = {}
-    for controller in (controller for text, controller in zip(texts, named, strict=True) if "=" not in text):
-        if specs.setdefault(controller.name, controller.spec) != controller.spec:
-            raise ValueError(
-                f"{specs[controller.name]} and {controller.spec} are both called {controller.name}; name them, as in "
-                f"first={controller.spec}"
-            )
+        for (other, of), beside in zip(pairs, texts, strict=True):
+            given = "=" in text and "=" in beside
+            if other == name and of != spec and (not given or spec in LAWS):
+                raise ValueError(f"{spec} and {of} are both called {name}; name them, as in first={spec}")
     return named

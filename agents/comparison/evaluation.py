@@ -1,24 +1,49 @@
-"""Evaluation of controllers on the same episodes, and the environment that trained ones have in common."""
+"""Evaluation of controllers on the same episodes, which are tasks for any process, and what to compare them on."""
 
+import hashlib
+import json
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
-from agents.comparison.controllers import parse_controller, parse_controllers
-from agents.comparison.episodes import episode_cell, run_cells
-from agents.comparison.report import Row
-from agents.environments import (
-    DEFAULT_ENV_ID,
-    INTERFACE,
-    environment_settings,
-    episode_seeds,
-    with_sampling,
-    without_sampling,
-)
-from solar_env.support.campaigns import ONE, Cell, Workers
+import gymnasium
+import numpy as np
+from rich.console import Console
 
+from agents.comparison.controllers import NamedController, parse_controller, parse_controllers
+from agents.comparison.report import Row
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, episode_seeds, make_env, with_sampling
+from agents.laws.baselines import CONFIGS, is_tuned, make_baseline
+from agents.laws.table import TUNABLE
+from agents.learning import runs
+from agents.policies import shipped
+from agents.rollout import are_figures, run_episode
+from agents.torque_laws import Controller, LawParameters
+from solar_env.environment.registration import DEPLOY, DEPLOY_RANDOMISED
+from solar_env.support.campaigns import ONE, Campaign, Cell, Workers, each_done
+from solar_env.support.progress import counting_bar
+
+Figures = dict[str, float | int | bool]
 STORE = "episodes.jsonl"
 """Name of a file that keeps the figures of finished episodes."""
+# Suites are judged on this model, whose peak forces have converged, and searches train on it. It is also the
+# cheapest with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and
+# 380, 270 and 172 with 2, 4 and 6 beam elements.
+MODEL: dict[str, Any] = {"model": "flexible-clearance"}
+# What learns from single steps needs more episodes than there is time for with flexible panels.
+RIGID: dict[str, Any] = {"model": "rigid-clearance"}
+# Name -> environment id of the scenario.
+SUITES = {"paper": DEPLOY, "robust": DEPLOY_RANDOMISED}
+
+
+def suite_controllers(env_id: str) -> list[str]:
+    """List the passive deployment, and the laws and shipped policies that are for a scenario and the suites' model."""
+    tuned = [name for name in TUNABLE if is_tuned(name, env_id, MODEL["model"])]
+    trained = {name: shipped.load_shipped(name).description for name in shipped.available()}
+    here = (env_id, MODEL["model"])
+    return ["passive", *tuned, *(name for name, of in trained.items() if (of.env_id, of.env_kwargs["model"]) == here)]
 
 
 def evaluate(
@@ -40,7 +65,7 @@ def evaluate(
         seed: Chooses the block of evaluation seeds.
         env_id, env_kwargs: Environment; without "randomize", that of `with_sampling`. The observation and the action
             that a policy was trained with take precedence for it.
-        progress, workers, store: As for `agents.comparison.episodes.run_cells`.
+        progress, workers, store: As for `run_cells`.
 
     Returns:
         One row per controller and episode: controller, spec, episode, and the figures of `run_episode`.
@@ -49,72 +74,144 @@ def evaluate(
         FileNotFoundError, ValueError: A controller does not exist, does not fit the environment, or goes by the name of
             another one; or the environment refuses its keywords.
     """
-    named = parse_controllers(controllers)
-    for controller in named:
-        controller.training()  # refuses damaged files before any work
     seeds = episode_seeds("evaluation", seed, episodes)
     sampled = with_sampling(env_kwargs or {}, env_id)
-    labels: list[Row] = []
-    cells: list[Cell] = []
-    for controller in named:
-        keywords = sampled | controller.interface()
-        for episode, episode_seed in enumerate(seeds):
-            labels.append({"controller": controller.name, "spec": controller.spec, "episode": episode})
-            cells.append(episode_cell(controller, env_id, keywords, episode_seed))
+    # Their interfaces are read first: damaged files are refused before any work.
+    interfaces = {controller: controller.interface() for controller in parse_controllers(controllers)}
+    labels = [
+        {"controller": controller.name, "spec": controller.spec, "episode": episode}
+        for controller in interfaces
+        for episode in range(episodes)
+    ]
+    cells = [
+        episode_cell(controller, env_id, sampled | interface, episode_seed)
+        for controller, interface in interfaces.items()
+        for episode_seed in seeds
+    ]
     figures = run_cells(cells, workers, store, progress)
     return [{**label, **figure} for label, figure in zip(labels, figures, strict=True)]
 
 
-def efforts(controllers: Sequence[str], env_id: str, env_kwargs: Mapping[str, Any]) -> dict[str, str]:
-    """Return the effort of tuning or training by controller, see `NamedController.effort`, with the number of runs."""
-    model = environment_settings(env_id, env_kwargs).level.name
-    found: dict[str, list[str]] = {}
-    for controller in map(parse_controller, controllers):
-        if effort := controller.effort(env_id, model):
-            found.setdefault(controller.name, []).append(effort)
+def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[str, Any], seed: int) -> Cell:
+    """Make the cell of one episode of a controller; JSON keeps the environment keywords."""
+    files = controller.files()
     return {
-        name: (f"{len(each)} x " if len(each) > 1 else "") + " / ".join(dict.fromkeys(each))
-        for name, each in found.items()
+        "spec": controller.resolved,
+        "policy": _digest(files) if files else None,
+        "env_id": env_id,
+        "env_kwargs": runs.jsonable(env_kwargs),
+        "seed": seed,
     }
 
 
-def common_env_id(controllers: Sequence[str]) -> str:
-    """Return the id of the environment on which the trained `controllers` were trained; without any, the nominal one.
+def run_cell(cell: Cell) -> Figures:
+    """Run the episode of a cell and return its figures, see `agents.rollout.run_episode`."""
+    env, controller = _prepared(json.dumps({**cell, "seed": None}))
+    return run_episode(env, controller, cell["seed"])
+
+
+@lru_cache(maxsize=4)
+def _prepared(text: str) -> tuple[gymnasium.Env, Controller]:
+    """Make environment and controller of a cell, kept from episode to episode."""
+    cell = json.loads(text)
+    env = _environment(cell["env_id"], json.dumps(cell["env_kwargs"]))
+    if "parameters" in cell:
+        return env, make_baseline(cell["spec"], env, TUNABLE[cell["spec"]].defaults.from_json(cell["parameters"]))
+    return env, parse_controller(cell["spec"]).load(env)
+
+
+@lru_cache(maxsize=4)
+def _environment(env_id: str, keywords: str) -> gymnasium.Env:
+    return make_env(env_id, json.loads(keywords))
+
+
+def run_cells(
+    cells: Sequence[Cell], workers: Workers = ONE, store: Path | None = None, progress: bool = True
+) -> list[Figures]:
+    """Run cells and return their figures, in their order; of cells that are alike one is run.
+
+    Args:
+        cells: Episodes to run.
+        workers: Processes to run them on.
+        store: File that keeps the figures, so that an interrupted evaluation goes on; None: no file.
+        progress: Show a progress bar.
 
     Raises:
-        ValueError: They were trained on different ones.
+        ValueError: The file was written by other code or with other baselines, or is damaged.
     """
-    trained = [controller for controller in map(parse_controller, controllers) if controller.training()]
-    found = {controller.spec: controller.training()["env_id"] for controller in trained}
-    if len(set(found.values())) > 1:
-        ids = ", ".join(f"{spec} on {env_id}" for spec, env_id in found.items())
-        raise ValueError(f"the controllers were trained on different environments: {ids}; say with --env-id which")
-    return next(iter(found.values()), DEFAULT_ENV_ID)
+    keys = [json.dumps(cell, sort_keys=True) for cell in cells]
+    different = dict(zip(keys, cells, strict=True))
+    with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
+        task = bar.add_task("episodes", total=len(different))
+        if store is None:
+            done: dict[str, Figures] = {}
+            for cell, figures in each_done(run_cell, different.values(), workers):
+                done[json.dumps(cell, sort_keys=True)] = figures
+                bar.advance(task)
+        else:
+            made_by = {"agents": _agents_digest()}
+            campaign = Campaign(run_cell, tuple(different.values()), store, made_by, are_figures)
+            bar.advance(task, len(different) - len(campaign.missing))
+            for _ in campaign.run(workers):
+                bar.advance(task)
+            done = dict(zip(different, campaign.results(), strict=True))
+    return [done[key] for key in keys]
 
 
-def common_env_kwargs(
-    controllers: Sequence[str], env_id: str = DEFAULT_ENV_ID, given: Collection[str] = ()
-) -> dict[str, Any]:
-    """Return the environment keywords on which all trained ones among `controllers` agree.
+def mean_returns(
+    controller: str,
+    candidates: Sequence[LawParameters],
+    env_id: str,
+    env_kwargs: Mapping[str, Any],
+    seeds: Sequence[int],
+    workers: Workers,
+) -> list[float]:
+    """Return the mean return of each candidate for the parameters of a law, over the same episodes."""
+    law = {"spec": controller, "env_id": env_id, "env_kwargs": runs.jsonable(env_kwargs)}
+    cells = [{**law, "parameters": asdict(parameters), "seed": seed} for parameters in candidates for seed in seeds]
+    returns = [figures["return"] for figures in run_cells(cells, workers, progress=False)]
+    return np.reshape(returns, (len(candidates), len(seeds))).mean(axis=1).tolist()
 
-    The ranges drawn in training belong to the scenario: in another one than `env_id` they are left out. So is the range
-    that `with_sampling` added, which adds it anew around the parameters given, and so are the keywords `given`.
+
+@cache
+def _agents_digest() -> str:
+    """Hash the code and the laws' parameters; hyperparameters are left out, as they change no trained policy."""
+    code = sorted(Path(__file__).parents[1].rglob("*.py"))
+    tuned = [path for name in TUNABLE if (path := CONFIGS / f"{name}.json").exists()]
+    return _digest([*code, *tuned])
+
+
+def _digest(paths: Sequence[Path]) -> str:
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def common_environment(
+    controllers: Sequence[str], env_id: str | None = None, given: Collection[str] = ()
+) -> tuple[str, dict[str, Any]]:
+    """Return the environment id and the keywords on which all trained ones among `controllers` agree.
+
+    `env_id`, if not None, takes the place of the id; without either it is the nominal one. The ranges drawn in training
+    belong to it: in another scenario, or beside the keywords `given`, they are left out, and so are these keywords.
 
     Raises:
-        ValueError: They differ; the physics to compare on must then be given.
+        ValueError: They differ; what to compare on must then be given.
     """
-    physics: dict[str, dict[str, Any]] = {}
-    for controller in map(parse_controller, controllers):
-        if training := controller.training():
-            left_out = {*INTERFACE, *given, *(() if training["env_id"] == env_id else ("randomize",))}
-            asked = without_sampling(training["env_kwargs"], training["env_id"])
-            physics[controller.spec] = {k: v for k, v in asked.items() if k not in left_out}
-    if not physics:
-        return {}
-    first, agreed = next(iter(physics.items()))
-    for spec, kwargs in physics.items():
-        if kwargs != agreed:
+    found = {each: of for each in controllers if (of := parse_controller(each).training())}
+    ids = {of.env_id for of in found.values()}
+    if env_id is None and len(ids) > 1:
+        names = " and ".join(sorted(ids))
+        raise ValueError(f"the controllers were trained on different environments, {names}; say with --env-id which")
+    used = env_id or (ids.pop() if ids else DEFAULT_ENV_ID)
+    agreed: dict[str, Any] | None = None
+    for controller, of in found.items():
+        others = {"randomize"} if given or of.env_id != used else set()
+        kwargs = {name: v for name, v in of.env_kwargs.items() if name not in {*INTERFACE, *given, *others}}
+        if agreed not in (None, kwargs):
             raise ValueError(
-                f"{first} was trained on {agreed}, {spec} on {kwargs}; say with --env-kwargs what to compare on"
+                f"{controller} was trained on {kwargs}, another on {agreed}; say with --env-kwargs what to compare on"
             )
-    return agreed
+        agreed = kwargs
+    return used, agreed or {}

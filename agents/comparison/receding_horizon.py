@@ -34,18 +34,6 @@ class SearchSettings:
     least_deviation: float = 0.001
 
 
-@dataclass(frozen=True)
-class PredictedEpisode:
-    """Actions to the end of an episode, and what they are predicted to earn."""
-
-    start: int  # control period in which it begins
-    actions: np.ndarray  # (periods,) float32, from `start` to the end of the episode
-    rewards: np.ndarray  # (periods,) of these actions
-    knot_times: np.ndarray  # (knots,) of the residual's values [s]
-    residual: np.ndarray  # (knots,) action on top of that of the base
-    predicted_return: float  # sum of the rewards; -inf where there is no plan yet
-
-
 class RecedingHorizon(DeterministicController):
     """Actions found by search over rollouts of the simulator from its present state.
 
@@ -88,28 +76,25 @@ class RecedingHorizon(DeterministicController):
         """
         period = round(self._env.simulation.time / self._env.task.control_period)
         if period == 0 or not self.predicted_returns:
-            self._begin(period)
+            self._generator = np.random.default_rng(self._seed)
+            self._start = self._next_replanning = period
+            # The plan: actions and rewards from `_start` to the end, and the residual at the times of its knots.
+            self._actions, self._rewards = np.zeros(0, dtype=np.float32), np.zeros(0)
+            self._knot_times, self._residual = np.zeros(1), np.zeros(1)
+            self.predicted_returns = []
         if period >= self._next_replanning:
-            self._replan(period)
-        action = self._plan.actions[period - self._plan.start]
-        return np.full((1,) * np.ndim(observation), action)
+            self._replan(period - self._start)
+            self._next_replanning = period + self._settings.replan_every
+        return np.full((1,) * np.ndim(observation), self._actions[period - self._start])
 
-    def _begin(self, period: int) -> None:
-        """Discard the plan of the last episode."""
-        self._generator = np.random.default_rng(self._seed)
-        nothing = np.zeros(0, dtype=np.float32), np.zeros(0), np.zeros(1), np.zeros(1)
-        self._plan = PredictedEpisode(period, *nothing, predicted_return=-math.inf)
-        self._next_replanning = period
-        self.predicted_returns = []
-
-    def _replan(self, period: int) -> None:
-        """Search from the present state, around the plan so far, for a better one."""
-        settings, task, plan = self._settings, self._env.task, self._plan
-        done = period - plan.start
-        now = self._env.simulation.time
+    def _replan(self, done: int) -> None:
+        """Search from the present state, after so many periods of the plan, around the plan for a better one."""
+        settings, task, now = self._settings, self._env.task, self._env.simulation.time
         knot_times = np.linspace(now, max(task.deadline, now + task.control_period), settings.knots)
-        mean = np.interp(knot_times, plan.knot_times, plan.residual)
+        mean = np.interp(knot_times, self._knot_times, self._residual)
         deviation = np.full(settings.knots, settings.initial_deviation)
+        predicted = self.predicted_returns[-1] if self.predicted_returns else -math.inf
+        acted, earned = self._actions[:done], self._rewards[:done]
         for iteration in range(settings.iterations):
             residuals = self._generator.normal(mean, deviation, (settings.candidates, settings.knots))
             residuals[0] = mean
@@ -118,17 +103,14 @@ class RecedingHorizon(DeterministicController):
             actions, rewards = self._roll_out(knot_times, residuals)
             ranking = np.argsort(-rewards.sum(axis=1), kind="stable")
             best = ranking[0]
-            foreseen = np.concatenate([plan.rewards[:done], rewards[best]])
-            if foreseen.sum() > self._plan.predicted_return:
-                acted = np.concatenate([plan.actions[:done], actions[best]])
-                self._plan = PredictedEpisode(
-                    plan.start, acted, foreseen, knot_times, residuals[best], float(foreseen.sum())
-                )
+            foreseen = np.concatenate([earned, rewards[best]])
+            if foreseen.sum() > predicted:
+                predicted = float(foreseen.sum())
+                self._actions, self._rewards = np.concatenate([acted, actions[best]]), foreseen
+                self._knot_times, self._residual = knot_times, residuals[best]
             elites = residuals[ranking[: settings.elites]]
-            mean = elites.mean(axis=0)
-            deviation = np.maximum(elites.std(axis=0), settings.least_deviation)
-        self._next_replanning = period + settings.replan_every
-        self.predicted_returns.append(self._plan.predicted_return)
+            mean, deviation = elites.mean(axis=0), np.maximum(elites.std(axis=0), settings.least_deviation)
+        self.predicted_returns.append(predicted)
 
     def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Actions, float32, and rewards (n, periods) from now to the end, under residuals (n, knots).

@@ -4,7 +4,7 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ TABLE: dict[str, tuple[str, float]] = {
     "latch_times_s": ("last latch [s]", 1.0),
     "motor_work_J": ("motor work [J]", 1.0),
 }
+TABLES = "comparison.md"  # of an evaluation
 HIGHER_IS_BETTER = frozenset({"return"})
 
 Row = dict[str, Any]
@@ -78,59 +79,30 @@ def references(rows: Sequence[Row]) -> list[str]:
     return list(dict.fromkeys([names[0], best]))
 
 
-@dataclass(frozen=True)
-class Tables:
-    """A comparison in Markdown: all figures, the differences from `references`, and the effort of tuning and training.
-
-    The last two may be empty.
-    """
-
-    scores: str
-    differences: str
-    effort: str = ""
-
-    def __str__(self) -> str:
-        return "\n\n".join(filter(None, (self.scores, self.differences, self.effort))) + "\n"
-
-    def folded(self) -> str:
-        """Return the tables for a web page: the differences open with a click."""
-        summary = "<summary>Differences, episode by episode</summary>"
-        folded = f"<details>\n{summary}\n\n{self.differences}\n\n</details>"
-        return str(replace(self, differences=folded if self.differences else ""))
-
-
-def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = "") -> Tables:
-    """Write the comparison, by default its `summarize`, as tables, with an explanation of the numbers."""
+def tabulate(rows: Sequence[Row], summary: Summary | None = None) -> str:
+    """Write the comparison, by default its `summarize`, as tables in Markdown, with an explanation of the numbers."""
     summary = summarize(rows) if summary is None else summary
     names = list(summary)
     figures = [figure for figure in TABLE if figure in summary[names[0]]]
-    episodes = len({row["episode"] for row in rows})
     head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
-    basis = _basis(episodes, max(entry["return"].count for entry in summary.values()))
     lines = []
     for name, entry in summary.items():
         label = f"{name} ({entry['runs']} runs)" if entry["runs"] > 1 else name
         lines.append([label, f"{entry['latched']:.0%}", *(_cell(entry[figure], figure) for figure in figures)])
-    scores = f"{basis} Post-lock figures are those of deployments that latched.\n\n{markdown_table(head, lines)}"
-    differences = []
+    parts = [
+        f"Interquartile mean over evaluation episodes ({len({row['episode'] for row in rows})}), the same for every "
+        f"controller, with a 95 % bootstrap interval from {FEWEST} values on, and the worst episode. Post-lock figures "
+        "are those of deployments that latched.",
+        markdown_table(head, lines),
+    ]
     for reference in references(rows) if len(names) > 1 else []:
         lines = []
         for name in (name for name in names if name != reference):
             cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
             lines.append([name, *cells, with_interval(summary[name][f"better than {reference}"], "{:.0%}")])
         told = f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:"
-        differences += [told, markdown_table(["controller", *head[2:], "better in"], lines)]
-    return Tables(scores, "\n\n".join(differences), effort)
-
-
-def _basis(episodes: int, values: int) -> str:
-    """State what the numbers of a table are, and what they rest on: episodes, and values with those of several runs."""
-    if values == 1:
-        return "One evaluation episode, the same for every controller, which says nothing of another: evaluate more."
-    over = "one evaluation episode" if episodes == 1 else f"{episodes} evaluation episodes"
-    interval = "with a 95 % bootstrap interval, " if values >= FEWEST else ""
-    few = "" if values >= FEWEST else f" Fewer than {FEWEST} have no interval: evaluate more."
-    return f"Interquartile mean over {over}, the same for every controller, {interval}and the worst episode.{few}"
+        parts += [told, markdown_table(["controller", *head[2:], "better in"], lines)]
+    return "\n\n".join(parts) + "\n"
 
 
 def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
@@ -150,13 +122,8 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
     return f"{text} [{form.format(value.lower * factor)}, {form.format(value.upper * factor)}]"
 
 
-def write_comparison(
-    folder: Path, rows: Sequence[Row], settings: Mapping[str, Any], effort: Mapping[str, str]
-) -> tuple[Summary, Tables]:
-    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables.
-
-    `rows` and `effort` are what `evaluate` and `efforts` of `agents.comparison.evaluation` return.
-    """
+def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, Any]) -> tuple[Summary, str]:
+    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
     text = io.StringIO(newline="")
     writer = csv.DictWriter(text, columns)
@@ -165,58 +132,12 @@ def write_comparison(
     make_folder(folder)
     write_text(folder / "episodes.csv", text.getvalue())
     summary = summarize(rows)
-    spent = ", ".join(f"{name} {what}" for name, what in effort.items())
-    tables = tabulate(rows, summary, f"Simulated to tune or train: {spent}." if spent else "")
+    tables = tabulate(rows, summary)
     controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
     content = {"settings": settings, "versions": versions(*runs.LIBRARIES), "controllers": controllers}
     runs.write_json(folder / "metrics.json", content)
-    write_text(folder / "comparison.md", str(tables))
+    write_text(folder / TABLES, tables)
     return summary, tables
-
-
-def read_rows(path: Path) -> list[Row]:
-    """Read the rows of an `episodes.csv` that `write_comparison` wrote.
-
-    Raises:
-        OSError: It cannot be read.
-        ValueError: It is damaged; the message names it.
-    """
-    with path.open(newline="", encoding="utf-8") as file:
-        try:
-            rows = [_numbers(row) for row in csv.DictReader(file)]
-            _check_complete(rows)
-        except (ValueError, csv.Error) as error:
-            raise ValueError(
-                f"{path} is damaged, or has no episodes of a comparison ({error}); restore it, or compare anew "
-                "(solar-env evaluate)"
-            ) from error
-    return rows
-
-
-def _numbers(row: Mapping[Any, Any]) -> Row:
-    """Convert a row of `episodes.csv` to the types that `evaluate` returns."""
-    if None in row or None in row.values():
-        raise ValueError("a line has not one cell for each heading")
-    plain = {"True": True, "False": False}
-    return {
-        key: text if key in ("controller", "spec") else plain[text] if text in plain else float(text)
-        for key, text in row.items()
-        if text
-    }
-
-
-def _check_complete(rows: Sequence[Row]) -> None:
-    """Refuse rows that `summarize` cannot take, by a ValueError."""
-    if not rows:
-        raise ValueError("it has no lines")
-    wanted = {"controller", "spec", "episode", "return", "latched", *(set(TABLE) & set(rows[0]))}
-    episodes: dict[tuple[str, str], set[float]] = {}
-    for row in rows:
-        if lacking := sorted(wanted - set(row)):
-            raise ValueError(f"a line has no {lacking[0]}")
-        episodes.setdefault((row["controller"], row["spec"]), set()).add(row["episode"])
-    if len(set(map(frozenset, episodes.values()))) > 1 or sum(map(len, episodes.values())) < len(rows):
-        raise ValueError("its controllers have not the same episodes, once each")
 
 
 def _plain(value: Any) -> Any:

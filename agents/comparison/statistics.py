@@ -26,7 +26,6 @@ def interquartile_mean(values: np.ndarray) -> np.ndarray:
 
 def estimate(
     runs: Sequence[np.ndarray],
-    seed: int = 0,
     resamples: int = 2000,
     mean: Callable[[np.ndarray], np.ndarray] = interquartile_mean,
 ) -> Estimate:
@@ -42,7 +41,6 @@ def estimate(
     Args:
         runs: One array (episodes,) of figures for each training run; a baseline has one run. For comparisons,
             (references, episodes), with a row for each run of the reference, which are drawn like the runs.
-        seed: Seed of the resampling.
         resamples: Number of bootstrap resamples.
         mean: Reduces the last axis.
 
@@ -57,7 +55,7 @@ def estimate(
     if len(figures) == figures.shape[1] == 1:
         figures = known[None, None]
 
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     count, references, episodes = figures.shape
     drawn_runs = rng.integers(count, size=(resamples, count, 1, 1))
     drawn_episodes = rng.integers(episodes, size=(resamples, 1, 1, episodes))

@@ -1,6 +1,4 @@
-"""Torque laws: controllers without learning, one file a law.
-
-Imports `agents.torque_laws` (the base classes), `agents.environments` and the simulator; nothing that learns.
+"""Torque laws: controllers without learning.
 
 To add a law: write its class in a file of its own here, as a `TunableLaw` with a dataclass of `LawParameters`, each
 with its default and range; add a row to `agents.laws.table`; run `solar-env tune --controller NAME` to find its

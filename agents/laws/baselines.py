@@ -34,8 +34,7 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
     entry, source = _entry(name, env_id, model)
     if source != model:
         warnings.warn(
-            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: "
-            + _command(name, env_id, model),
+            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}",
             UntunedWarning,
             stacklevel=2,
         )
@@ -58,14 +57,9 @@ def is_tuned(name: str, env_id: str, model: str) -> bool:
     return model in _entries(name).get(env_id, {})
 
 
-def episodes_spent(name: str, env_id: str, model: str) -> int:
-    """Count the training episodes that the parameters have cost, with those of the parameters they were refined from.
-
-    Raises:
-        ValueError: The file has no entry for `env_id` that would do.
-    """
-    tuning = _entry(name, env_id, model)[0]["tuning"]
-    return tuning.get("training_episodes_with_start", tuning["training_episodes"])
+def tuning_of(name: str, env_id: str, model: str) -> dict[str, Any]:
+    """Return the record of the tuning that the parameters of a model come from, see `load_parameters`."""
+    return _entry(name, env_id, model)[0]["tuning"]
 
 
 def _entries(name: str) -> dict[str, Any]:
@@ -80,14 +74,10 @@ def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
     source = model if model in by_model else FALLBACK_MODEL
     if source not in by_model:
         raise ValueError(
-            f"{name}.json holds no parameters for {env_id!r} with model {model!r}; run: "
-            + _command(name, env_id, model)
+            f"{name}.json holds no parameters for {env_id!r} with model {model!r}; run: solar-env tune "
+            f"--controller {name} --env-id {env_id} --model {model}"
         )
     return by_model[source], source
-
-
-def _command(name: str, env_id: str, model: str) -> str:
-    return f"solar-env tune --controller {name} --env-id {env_id} --model {model}"
 
 
 def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | None = None) -> Controller:

@@ -1,7 +1,6 @@
-"""Training with Stable-Baselines3: configurations, features, models, and the run from one to the other.
+"""Training with Stable-Baselines3, from a configuration to a run folder.
 
-`runs` reads and writes the folder of a training run, `storage` the nested values of its checkpoints; `vec_env` is the
-vector environment behind Stable-Baselines3's interface, `weight_search` CMA-ES and ARS over the weights of a policy,
-`extraction` makes plain arrays of a trained one. Imports the laws and the policies; not the comparison. To add an
-algorithm: its class in `runs.ALGORITHMS`, and its file in `agents/configs`.
+`learn` trains; `runs` says what a run folder holds, and reads it; `vec_env` is the vector environment behind
+Stable-Baselines3's interface, `weight_search` CMA-ES and ARS over the weights of a policy, `models` makes models and
+plain arrays of trained ones. To add an algorithm: its class in `runs.ALGORITHMS`, and its file in `agents/configs`.
 """

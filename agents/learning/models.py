@@ -1,4 +1,4 @@
-"""Models of Stable-Baselines3: a fresh one for a configuration, and one as a run has left it."""
+"""Models of Stable-Baselines3 for a configuration, and their policies as plain arrays."""
 
 import math
 from collections.abc import Callable
@@ -10,16 +10,32 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.noise import NormalActionNoise
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.torch_layers import FlattenExtractor
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+from stable_baselines3.sac.policies import SACPolicy
+from torch import nn
 
 from agents.environments import environment_settings, episode_seeds
 from agents.learning import runs
-from agents.learning.features import DriveFeatures, observation_features
 from agents.learning.runs import Configuration
 from agents.learning.weight_search import WeightSearch, all_weights
+from agents.policies.network import Layer, PolicyNetwork
+from agents.policies.shipped import UNITS, Description, ShippedPolicy
 
+LIMIT = 3.0
+"""Networks see the entries of an observation clipped to plus and minus this."""
 SHARE = "share"
+GREATEST = 1e6  # above whatever is observed
+ACTIVATIONS: dict[type[nn.Module], str] = {nn.ReLU: "relu", nn.Tanh: "tanh"}
+
+
+class ClippedEntries(FlattenExtractor):
+    """Features extractor of Stable-Baselines3: the observation, clipped to `LIMIT`."""
+
+    def forward(self, observations: torch.Tensor) -> torch.Tensor:
+        """Clip observations (n, entries)."""
+        return torch.clamp(super().forward(observations), -LIMIT, LIMIT)
 
 
 class SlowedAdam(torch.optim.Adam):
@@ -40,8 +56,8 @@ class SlowedAdam(torch.optim.Adam):
         return loss
 
 
-def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
-    """Make a fresh model on `venv` with normalised rewards, whose networks see the observation's features.
+def make_model(config: Configuration, venv: VecEnv) -> BaseAlgorithm:
+    """Make a fresh model on `venv` with normalised rewards, whose networks see clipped observations.
 
     A search over weights has rewards as they are, and its policy sees the observation. The noise and the steps of ARS
     fall linearly from those given to nothing, and so do the learning rates of the others.
@@ -55,7 +71,7 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
         ValueError: The algorithm refuses its hyperparameters.
     """
     try:
-        return _made(config, venv, device)
+        return _made(config, venv)
     except Exception as error:  # of values that nobody has thought of the libraries may raise anything
         reason = " ".join(str(error).split())[:300] or type(error).__name__
         raise ValueError(
@@ -64,27 +80,23 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
         ) from error
 
 
-def _made(config: Configuration, venv: VecEnv, device: str) -> BaseAlgorithm:
+def _made(config: Configuration, venv: VecEnv) -> BaseAlgorithm:
     seed = episode_seeds("training", config.seed, 1)[0]
-    cls: Any = runs.algorithm(config.algo)
+    cls: Any = runs.ALGORITHMS[config.algo]
     hyperparameters = dict(config.hyperparameters)
     if issubclass(cls, WeightSearch):
-        unchanged = VecNormalize(venv, norm_obs=False, norm_reward=False)
         # The best weights are a narrow funnel on a rough plateau, which noise that stays as large does not find.
         for name in ("learning_rate", "delta_std"):
             if name in hyperparameters:
                 hyperparameters[name] = LinearSchedule(hyperparameters[name], 0.0, 1.0)
-        return cls("LinearPolicy", unchanged, seed=seed, device=device, **hyperparameters)
-    settings = environment_settings(config.env_id, config.env_kwargs)
-    hyperparameters["policy_kwargs"] = {
-        **hyperparameters.get("policy_kwargs", {}),
-        "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {"features": observation_features(settings.observation_names)},
-    }
+        unchanged = VecNormalize(venv, norm_obs=False, norm_reward=False)
+        return cls("LinearPolicy", unchanged, seed=seed, device="cpu", **hyperparameters)
+    policy_kwargs = {**hyperparameters.get("policy_kwargs", {}), "features_extractor_class": ClippedEntries}
+    hyperparameters["policy_kwargs"] = policy_kwargs
     actor_rate = hyperparameters.pop("actor_learning_rate", None)
     if actor_rate is not None:
-        hyperparameters["policy_kwargs"]["optimizer_class"] = SlowedAdam
-    first_weights = hyperparameters.pop("first_weights", None)
+        policy_kwargs["optimizer_class"] = SlowedAdam
+    first_weights = hyperparameters.pop(runs.FIRST_WEIGHTS, None)
     noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
         nothing = np.zeros(venv.action_space.shape or ())
@@ -96,23 +108,87 @@ def _made(config: Configuration, venv: VecEnv, device: str) -> BaseAlgorithm:
     if issubclass(cls, OnPolicyAlgorithm):
         step = rate / math.ceil(config.timesteps / (config.n_envs * hyperparameters["n_steps"]))
     hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
-    model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
+    model = cls("MlpPolicy", normalized, seed=seed, device="cpu", **hyperparameters)
     if actor_rate is not None:
-        policy: Any = model.policy
-        for group in policy.actor.optimizer.param_groups:
+        for group in model.policy.actor.optimizer.param_groups:
             group[SHARE] = actor_rate / rate if rate else 0.0
     if first_weights is not None:
         for layer in _actor_layers(model):
             weights = all_weights(first_weights, layer.weight.shape[1])
             layer.weight.data = torch.as_tensor(weights, dtype=layer.weight.dtype)[None]
-            torch.nn.init.zeros_(layer.bias)
+            nn.init.zeros_(layer.bias)
     return model
 
 
-def _actor_layers(model: BaseAlgorithm) -> list[torch.nn.Linear]:
+def _actor_layers(model: BaseAlgorithm) -> list[nn.Linear]:
     """Return the last layer of the actor, and that of its target where there is one."""
     policy: Any = model.policy
     actors = [policy.action_net] if isinstance(policy, ActorCriticPolicy) else [policy.actor.mu]
     if hasattr(policy, "actor_target"):
         actors.append(policy.actor_target.mu)
-    return [[layer for layer in actor.modules() if isinstance(layer, torch.nn.Linear)][-1] for actor in actors]
+    return [[layer for layer in actor.modules() if isinstance(layer, nn.Linear)][-1] for actor in actors]
+
+
+def policy_of(model: BaseAlgorithm, config: Configuration) -> ShippedPolicy:
+    """Extract the policy of a model, with the description of its training.
+
+    Raises:
+        ValueError: As `network_of`.
+    """
+    network = network_of(model)
+    settings = environment_settings(config.env_id, config.env_kwargs)
+    description = Description(
+        algorithm=config.algo,
+        **{name: getattr(network, name) for name in ("observation_limit", "activation", "output", "mean_limit")},
+        training_steps=model.num_timesteps,
+        env_id=config.env_id,
+        env_kwargs=config.env_kwargs,
+        observation_names=tuple(settings.observation_names),
+        **{name: getattr(settings.task, name) for name in UNITS},
+    )
+    return ShippedPolicy(network, description)
+
+
+def network_of(model: BaseAlgorithm) -> PolicyNetwork:
+    """Extract the deterministic action of a Stable-Baselines3 model.
+
+    Raises:
+        ValueError: The policy has layers that `PolicyNetwork` has not.
+    """
+    policy: Any = model.policy
+    if isinstance(model, WeightSearch):
+        weights = policy.action_net[0].weight
+        return PolicyNetwork((_layer(weights, torch.zeros(1)),), GREATEST, activation="tanh", output="clip")
+    if isinstance(policy, ActorCriticPolicy):
+        extractor, *parts = policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net
+    elif isinstance(policy, SACPolicy):
+        extractor, *parts = policy.actor.features_extractor, policy.actor.latent_pi, policy.actor.mu
+    else:
+        extractor, *parts = policy.actor.features_extractor, policy.actor.mu
+    leaves: list[Any] = [leaf for part in parts for leaf in part.modules() if not isinstance(leaf, nn.Sequential)]
+    mean = max(index for index, leaf in enumerate(leaves) if isinstance(leaf, nn.Linear))
+    linear, between, after = leaves[: mean + 1 : 2], leaves[1:mean:2], leaves[mean + 1 :]
+    fits = (
+        type(extractor) is ClippedEntries
+        and all(type(leaf) is nn.Linear for leaf in linear)
+        and all(type(leaf) in ACTIVATIONS and type(leaf) is type(between[0]) for leaf in between)
+        and [type(leaf) for leaf in after] in ([], [nn.Tanh], [nn.Hardtanh])
+    )
+    if not fits:
+        raise ValueError(
+            f"the policy computes {', '.join(type(leaf).__name__ for leaf in [extractor, *leaves])}; exported can be "
+            "fully connected layers on clipped entries with one activation, Tanh or ReLU, between them"
+        )
+    return PolicyNetwork(
+        tuple(_layer(leaf.weight, leaf.bias) for leaf in linear),
+        observation_limit=LIMIT,
+        activation=ACTIVATIONS[type(between[0])] if between else "tanh",
+        # TD3's actor ends with the Tanh that the others leave to the distribution.
+        output="tanh" if policy.squash_output else "clip",
+        # SAC with state-dependent exploration keeps the mean away from where tanh is flat.
+        mean_limit=next((float(leaf.max_val) for leaf in after if isinstance(leaf, nn.Hardtanh)), None),
+    )
+
+
+def _layer(weights: torch.Tensor, biases: torch.Tensor) -> Layer:
+    return Layer(*(tensor.detach().cpu().numpy().copy() for tensor in (weights, biases)))

@@ -1,25 +1,24 @@
-"""Run folders: the files that a training run leaves, none of which executes anything when it is read."""
+"""Run folders: what a training run is asked for and what it leaves. Reading a run folder executes nothing."""
 
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from agents.environments import NAMESPACE
+from agents.environments import INTERFACE, NAMESPACE, episode_seeds, with_sampling
+from agents.laws.baselines import CONFIGS
 from agents.learning.weight_search import CMAES, WeightSearch
 from agents.policies import shipped
-from agents.policies.policy import ShippedPolicy
+from agents.policies.shipped import ShippedPolicy
 from solar_env.support.field_types import check_types
 from solar_env.support.files import check_name, make_folder, write_text
-from solar_env.support.numbers import is_whole_number
 from solar_env.support.plain_arrays import read_arrays, read_json
 
 LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions policies depend on, beside those of all
@@ -31,6 +30,7 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "cma-es": CMAES,
 }
 SEARCHES = ("ars", "cma-es")  # over the weights of a policy, by whole episodes
+FIRST_WEIGHTS = "first_weights"
 
 CONFIG = "config.json"
 POLICY = (shipped.ARRAYS, shipped.DESCRIPTION)  # of the best policy
@@ -40,13 +40,9 @@ HISTORY = ("timesteps", "results", "ep_lengths")  # its arrays
 TIMING = "timing.json"  # written last: the run is complete
 
 
-class DamagedFileError(ValueError):
-    """A file that is not as it was written."""
-
-
 @dataclass(frozen=True)
 class Configuration:
-    """Complete settings of a training run: it follows from these alone.
+    """Complete settings of a training run, from which it follows, and where it came from.
 
     Attributes:
         algo: Name of the algorithm, one of `ALGORITHMS`.
@@ -56,6 +52,10 @@ class Configuration:
         n_envs: Environments stepped together.
         timesteps: Environment steps to train for; those of a run that goes on with a complete one come on top of its.
         hyperparameters: Keywords of the Stable-Baselines3 class, and those of `agents.learning.models.make_model`.
+        command: Command line that began the run.
+        versions: Versions of the packages.
+        resumed_from: Folder of the run that this one went on from.
+        timesteps_before: Environment steps of that run.
 
     Raises:
         ValueError: On construction, for a value of another kind, an unknown algorithm, or no environment of this
@@ -69,10 +69,14 @@ class Configuration:
     n_envs: int
     timesteps: int
     hyperparameters: dict[str, Any]
+    command: str = ""
+    versions: dict[str, Any] = field(default_factory=dict)
+    resumed_from: str | None = None
+    timesteps_before: int = 0
 
     def __post_init__(self) -> None:
         check_types(self)
-        algorithm(self.algo)
+        check_algorithm(self.algo)
         if not self.env_id.startswith(NAMESPACE):
             raise ValueError(f"env_id is {self.env_id!r}; give an environment of solar_env")
         for name in ("n_envs", "timesteps"):
@@ -80,28 +84,56 @@ class Configuration:
                 raise ValueError(f"{name} is {getattr(self, name)}; give a positive number")
 
 
-@dataclass(frozen=True)
-class _Origin:
-    """What a configuration file says beside the configuration."""
-
-    command: str
-    versions: dict[str, Any]
-    resumed_from: str | None
-    timesteps_before: int
-
-    def __post_init__(self) -> None:
-        check_types(self)
-
-
-def algorithm(name: str) -> type[BaseAlgorithm]:
-    """Return the Stable-Baselines3 class called `name`.
-
-    Raises:
-        ValueError: There is none.
-    """
+def check_algorithm(name: str) -> None:
+    """Refuse a name that is not in `ALGORITHMS`, by a ValueError."""
     if name not in ALGORITHMS:
         raise ValueError(f"no algorithm {name!r}; available: {', '.join(ALGORITHMS)}")
-    return ALGORITHMS[name]
+
+
+def complete(
+    algo: str,
+    env_id: str,
+    env_kwargs: Mapping[str, Any],
+    seed: int,
+    n_envs: int | None = None,
+    timesteps: int | None = None,
+    hyperparameters: Mapping[str, Any] | None = None,
+) -> Configuration:
+    """Complete a request with the values in `agents/configs/<algo>.json` for its environment, in place of each None.
+
+    The first weights of the file are those of its policy and interface: with others they are left out.
+
+    Args:
+        algo, env_id, env_kwargs, seed, n_envs, timesteps: See `Configuration`.
+        hyperparameters: Values in place of single ones of the file, and of single "policy_kwargs" of its. The algorithm
+            refuses its own when the model is made.
+
+    Raises:
+        ValueError: Algorithm, environment or one of its keywords is unknown, or a number is out of range.
+    """
+    check_algorithm(algo)
+    entries = read_json(CONFIGS / f"{algo}.json")
+    if env_id not in entries:
+        raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
+    found, asked = entries[env_id], dict(hyperparameters or {})
+    interface = {name: found[name] for name in INTERFACE if name in found}
+    usual: dict[str, Any] = dict(found["hyperparameters"])
+    keywords = with_sampling({**interface, **env_kwargs}, env_id)
+    if isinstance(of_policy := asked.get("policy_kwargs"), dict):
+        asked["policy_kwargs"] = {**usual.get("policy_kwargs", {}), **of_policy}
+    if _signals(keywords) != _signals(interface) or "net_arch" in str(of_policy):
+        usual.pop(FIRST_WEIGHTS, None)
+    lanes = found["n_envs"] if n_envs is None else n_envs
+    steps = found["timesteps"] if timesteps is None else timesteps
+    config = Configuration(algo, env_id, jsonable(keywords), seed, lanes, steps, {**usual, **asked})
+    episode_seeds("training", seed, config.n_envs)  # refuses a seed without any
+    return config
+
+
+def _signals(keywords: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Return the first group of entries that is observed, and what an action is."""
+    observation = keywords.get("observation", "")
+    return observation if isinstance(observation, str) else observation[0], keywords.get("action")
 
 
 def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) -> Path:
@@ -124,42 +156,26 @@ def write_json(path: Path, content: Any) -> None:
     write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
-def read_config(folder: str | Path) -> dict[str, Any]:
-    """Read the configuration of the run in `folder`, with its command, versions and origin.
+def read_config(folder: str | Path) -> Configuration:
+    """Read the configuration of the run in `folder`.
 
     Raises:
         FileNotFoundError: `folder` is not a run folder.
-        DamagedFileError: The file is not whole, describes no run, or has a value of another kind.
+        ValueError: The file is not whole, describes no run, or has a value of another kind.
     """
     path = Path(folder) / CONFIG
     if not path.is_file():
         raise FileNotFoundError(f"{folder} is not a run folder: it has no {CONFIG}; train.py writes such folders")
+    record = read_json(path)
+    expected = {each.name for each in fields(Configuration)}
+    if not isinstance(record, dict) or set(record) != expected:
+        raise ValueError(
+            f"{path} describes no training run: it needs {', '.join(sorted(expected))}; train the run anew"
+        )
     try:
-        record = read_json(path)
-        if not isinstance(record, dict):
-            raise ValueError(f"{path} describes no training run; name a folder that train.py has written")
-        for kind in (Configuration, _Origin):
-            names = [field.name for field in fields(kind)]
-            for name in names:
-                if name not in record:
-                    raise ValueError(f"{path} says nothing of {name}; train the run anew")
-            try:
-                kind(**{name: record[name] for name in names})
-            except ValueError as error:
-                raise ValueError(f"{path}: {error}, or train the run anew") from error
+        return Configuration(**record)
     except ValueError as error:
-        raise DamagedFileError(str(error)) from error
-    return record
-
-
-def stored_configuration(folder: str | Path) -> Configuration:
-    """Read the configuration of the run in `folder`.
-
-    Raises:
-        FileNotFoundError, DamagedFileError: As `read_config`.
-    """
-    stored = read_config(folder)
-    return Configuration(**{field.name: stored[field.name] for field in fields(Configuration)})
+        raise ValueError(f"{path}: {error}, or train the run anew") from error
 
 
 def is_complete(folder: str | Path) -> bool:
@@ -167,31 +183,12 @@ def is_complete(folder: str | Path) -> bool:
     return (Path(folder) / TIMING).is_file()
 
 
-def steps_taken(folder: str | Path) -> int:
-    """Return the environment steps of a run, with those of the runs that it was resumed from.
-
-    Of a run that is not complete those that were asked for; rollouts are whole, so that more are taken.
-
-    Raises:
-        DamagedFileError: Its files do not tell them.
-    """
-    config, timing = read_config(folder), Path(folder) / TIMING
-    asked: int = config["timesteps_before"] + config["timesteps"]
-    if not timing.is_file():
-        return asked
-    record = read_json(timing)
-    steps: Any = record.get("timesteps", asked) if isinstance(record, dict) else None
-    if not is_whole_number(steps, 0):
-        raise DamagedFileError(f"{timing} is damaged: it does not tell the steps of the training; train the run anew")
-    return int(steps)
-
-
 def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
     """Read the history of a run's validations: steps (n,), and returns and lengths (n, episodes).
 
     Raises:
         OSError: The file cannot be read.
-        DamagedFileError: It is not whole, or no such history.
+        ValueError: It is not whole, or no such history.
     """
     path = folder / EVALUATIONS
     try:
@@ -199,7 +196,7 @@ def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
         if set(arrays) != set(HISTORY) or arrays["results"].ndim != 2:
             raise ValueError(f"it holds {sorted(arrays)}")
     except ValueError as error:
-        raise DamagedFileError(f"{path} is no history of validations ({error}); train the run anew") from error
+        raise ValueError(f"{path} is no history of validations ({error}); train the run anew") from error
     return arrays
 
 
@@ -208,7 +205,7 @@ def best_policy(folder: str | Path) -> ShippedPolicy:
 
     Raises:
         FileNotFoundError: There is no run, or it was interrupted before its first validation.
-        DamagedFileError: A file is not whole; the message names it.
+        ValueError: A file is not whole; the message names it.
     """
     if not (Path(folder) / shipped.DESCRIPTION).is_file():
         read_config(folder)
@@ -216,32 +213,7 @@ def best_policy(folder: str | Path) -> ShippedPolicy:
     try:
         return shipped.load_shipped(Path(folder).resolve())
     except ValueError as error:
-        raise DamagedFileError(f"{error}; resume the run, or train it anew") from error
-
-
-def load_policy(folder: str | Path, env: gymnasium.Env) -> ShippedPolicy:
-    """Load the best policy of the run in `folder`, for use on `env`.
-
-    Raises:
-        FileNotFoundError, DamagedFileError: As `best_policy`.
-        ValueError: Observations or actions of `env` have another meaning than in training.
-    """
-    policy = best_policy(folder)
-    policy.check(env)
-    return policy
-
-
-def linear_weights(folder: str | Path, env: gymnasium.Env) -> list[float]:
-    """Weights of the best policy of a search over weights, to begin another training on `env` with.
-
-    Raises:
-        FileNotFoundError, DamagedFileError: As `load_policy`.
-        ValueError: The run was no such search, or observations or actions of `env` have another meaning.
-    """
-    policy = load_policy(folder, env)
-    if (algo := policy.description.algorithm) not in SEARCHES:
-        raise ValueError(f"{folder} is a run of {algo}; training can begin with one of {', '.join(SEARCHES)}")
-    return policy.network.layers[-1].weights.ravel().tolist()
+        raise ValueError(f"{error}; resume the run, or train it anew") from error
 
 
 def jsonable(mapping: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,6 +1,5 @@
 """The native vector environment behind Stable-Baselines3's interface."""
 
-import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -26,9 +25,6 @@ class NativeVecEnv(VecEnv):
         num_envs: Number of lanes.
         env_id: Environment id.
         env_kwargs: Keywords of the vector environment, such as `num_threads` and those of the single one.
-
-    Attributes:
-        stepping_time: Wall time of all steps so far [s].
     """
 
     def __init__(
@@ -38,21 +34,15 @@ class NativeVecEnv(VecEnv):
         self.env: Any = make_vector_env(num_envs, env_id, keywords)
         self._with_lists = DictInfoToList(self.env)
         self._actions: np.ndarray | None = None
-        self.stepping_time = 0.0
         super().__init__(num_envs, self.env.single_observation_space, self.env.single_action_space)
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes with the seeds and options set before, which are used once."""
-        changes = [options.get("parameters") or {} for options in self._options]
-        for options in self._options:
-            if set(options) - {"parameters"}:
-                raise ValueError(f"reset options {sorted(options)} are unknown; the one option is 'parameters'")
+        """Begin new episodes with the seeds set before, which are used once."""
         seeds: Any = self._seeds
-        observations, infos = self._with_lists.reset(seed=seeds, options={"parameters": changes})
+        observations, infos = self._with_lists.reset(seed=seeds)
         self.reset_infos = list(infos)
         self._reset_seeds()
-        self._reset_options()
         return observations
 
     def step_async(self, actions: np.ndarray) -> None:
@@ -61,7 +51,6 @@ class NativeVecEnv(VecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Advance all lanes; returns (observations, rewards as float32, dones, infos)."""
-        start = time.perf_counter()
         observations, rewards, terminations, truncations, infos = self._with_lists.step(self._actions)
         dones = terminations | truncations
         told: list[dict[str, Any]] = list(infos)
@@ -71,7 +60,6 @@ class NativeVecEnv(VecEnv):
             told[lane] = {**last["final_info"], "terminal_observation": last["final_obs"]}
         for info, terminated, truncated in zip(told, terminations.tolist(), truncations.tolist(), strict=True):
             info["TimeLimit.truncated"] = truncated and not terminated
-        self.stepping_time += time.perf_counter() - start
         return observations, rewards.astype(np.float32), dones, told
 
     @property

@@ -18,16 +18,8 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 
 def all_weights(first: float | Sequence[float], entries: int) -> np.ndarray:
-    """The weights (entries,) that a linear policy begins with: the first ones as given, the others zero.
-
-    Raises:
-        ValueError: There are more than entries.
-    """
+    """The weights (entries,) that a linear policy begins with: the first ones as given, the others zero."""
     given = np.atleast_1d(np.asarray(first, dtype=float))
-    if given.ndim > 1 or given.size > entries:
-        raise ValueError(
-            f"first_weights has {given.size} numbers, but a policy here has {entries}; give as many, or fewer"
-        )
     return np.pad(given, (0, entries - given.size))
 
 
@@ -68,12 +60,8 @@ class WeightSearch(ARS):
         callback.on_rollout_start()  # before anything is drawn: checkpoints are written here
         # ARS itself counts the steps that are left of a training that goes on as if they were all.
         self._update_current_progress_remaining(self.num_timesteps, self._total_timesteps)
-        self._update(callback, async_eval)
-        callback.on_rollout_end()
-
-    def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
-        """One step of the search."""
         super()._do_one_update(callback, async_eval)
+        callback.on_rollout_end()
 
     def evaluate_candidates(
         self, candidate_weights: torch.Tensor, callback: BaseCallback, async_eval: AsyncEval | None
@@ -95,10 +83,9 @@ class WeightSearch(ARS):
             actions = np.full((env.num_envs, 1), -1.0, dtype=np.float32)
             linear = np.einsum("ij,ij->i", observations[: len(weights)], weights)
             actions[: len(weights), 0] = np.where(running, np.clip(linear, -1.0, 1.0), -1.0)
-            observations, rewards, dones, infos = env.step(actions)
+            observations, rewards, dones, _ = env.step(actions)
             returns += np.where(running, rewards[: len(weights)], 0.0)
             self.num_timesteps += int(running.sum())
-            callback.update_locals({"infos": infos, "dones": dones})
             callback.on_step()
             running &= ~dones[: len(weights)]
         return returns
@@ -166,7 +153,8 @@ class CMAES(WeightSearch):
         self.told.append(returns)
         self.seen += zip(returns.tolist(), asked, strict=True)
 
-    def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
+    def _do_one_update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
+        callback.on_rollout_start()
         asked = self.search.ask()
         self._tell(asked, self._evaluated(asked, callback))
         self._n_updates += 1
@@ -177,22 +165,19 @@ class CMAES(WeightSearch):
                 self._judge(weights, callback)
             self.seen.clear()
             self.rounds += 1
-            self._seed_episodes(1 + self.rounds)
+            env: Any = self.env
+            env.seed((self.seed or 0) + (1 + self.rounds) * env.num_envs)
         self.logger.record("train/deviation", self.search.sigma)
+        callback.on_rollout_end()
 
     def _judge(self, weights: np.ndarray, callback: BaseCallback) -> None:
         """Let weights have a round; they become the policy's if none did better in theirs."""
-        self._seed_episodes(0)
         env: Any = self.env
+        env.seed(self.seed or 0)
         mean_return = float(self._evaluated(np.tile(weights, (env.num_envs, 1)), callback).mean())
         if mean_return > self.best_return:
             self.best_return = mean_return
             self._use(weights)
-
-    def _seed_episodes(self, block: int) -> None:
-        """Let the next episodes begin with the seeds of a block, one an environment."""
-        env: Any = self.env
-        env.seed((self.seed or 0) + block * env.num_envs)
 
     def _evaluated(self, candidates: Any, callback: BaseCallback) -> np.ndarray:
         """Returns (candidates,) of an episode of each of the weights (candidates, entries)."""

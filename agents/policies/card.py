@@ -1,12 +1,10 @@
 """The card of a policy: its training, scores, limits and use, in Markdown."""
 
 import json
-from collections.abc import Mapping
 from typing import Any
 
-from agents.policies.policy import ShippedPolicy
+from agents.policies.shipped import ShippedPolicy
 from solar_env.environment.hardware import Hardware
-from solar_env.support.markdown import markdown_table
 
 
 def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
@@ -14,80 +12,54 @@ def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, sco
 
     `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest of the ONNX form's actions from its own.
     """
-    parts = [
-        f"# {name}\n\nA controller of the hinge motor for `{config['env_id']}`, trained by "
-        f"{config['algo'].upper()} with the interface of Stable-Baselines3.",
-        _training(config, policy, env),
-        f"## Scores\n\n{scores}",
-        _limits(policy, env),
-        _use(name, policy, difference),
-    ]
-    return "\n\n".join(parts) + "\n"
-
-
-def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
-    sizes = [policy.network.inputs, *(layer.biases.size for layer in policy.network.layers)]
-    hidden = f"{policy.network.activation} between the others" if len(sizes) > 3 else "the action is linear in them"
-    steps = f"{policy.description.training_steps:,}"
-    if config["resumed_from"]:
-        steps += f", those of `{config['resumed_from']}` among them"
-    facts = {
-        "algorithm": config["algo"],
-        "environment": f"`{config['env_id']}` with `{json.dumps(config['env_kwargs'])}`",
-        "model": env.model,
-        "scenario": f"{env.scenario}; drawn for every episode: {_ranges(env.randomize)}",
-        "sensors and motor": _imperfections(env.hardware),
-        "environment steps": steps,
-        "environments together": config["n_envs"],
-        "seed": config["seed"],
-        "network": f"{' - '.join(map(str, sizes))}; the first layer is not learned: features of the observation, "
-        f"clipped to {policy.network.feature_limit}; {hidden}",
-        "versions": ", ".join(
-            f"{name} {version}" for name, version in config["versions"].items() if name != "platform"
-        ),
-    }
-    table = markdown_table(("", ""), ((fact, str(value)) for fact, value in facts.items()))
-    return (
-        f"## Training\n\n{table}\n\nCommand:\n\n```\n{config['command']}\n```\n\n"
-        f"Hyperparameters:\n\n```json\n{json.dumps(config['hyperparameters'], indent=2)}\n```\n\n"
-        "Kept is the policy that did best in the validations along the way."
-    )
-
-
-def _ranges(ranges: Mapping[str, Any]) -> str:
-    return ", ".join(f"`{name}` from {low} to {high}" for name, (low, high) in ranges.items()) or "nothing"
-
-
-def _imperfections(hardware: Hardware) -> str:
+    network, names, task = policy.network, policy.description.observation_names, env.task
+    sizes = " - ".join(map(str, [network.inputs, *(layer.biases.size for layer in network.layers)]))
+    between = f", {network.activation} between its layers" if len(network.layers) > 1 else ", linear"
+    ranges = [f"`{key}` from {low} to {high}" for key, (low, high) in env.randomize.items()]
     ideal = vars(Hardware())
-    return ", ".join(f"`{name}` {value}" for name, value in vars(hardware).items() if value != ideal[name]) or "ideal"
+    hardware = [f"`{key}` {value}" for key, value in vars(env.hardware).items() if value != ideal[key]]
+    action = (
+        "An action sets the rate of the drive's loop."
+        if task.action == "rate"
+        else f"An action of 1 is a motor torque of {task.torque_limit} N m."
+    )
+    return f"""# {name}
 
+A controller of the hinge motor for `{config["env_id"]}`, trained by {config["algo"].upper()} with the interface of
+Stable-Baselines3.
 
-def _limits(policy: ShippedPolicy, env: Any) -> str:
-    task, names = env.task, policy.description.observation_names
-    lines = [
-        "Trained on the model, scenario, draws, sensors and motor above, with a control period of "
-        f"{task.control_period} s, a deadline of {task.deadline} s and {task.postlock_window} s after the last latch. "
-        "Do not trust it with models, parameters, initial states, sensors, motors or periods on which neither training "
-        "nor the scores above have tried it.",
-        f"It expects these {len(names)} entries in this order, in the units of the environment: "
-        f"{', '.join(f'`{name}`' for name in names)}. "
-        + (
-            "An action sets the rate of the drive's loop."
-            if task.action == "rate"
-            else f"An action of 1 is a motor torque of {task.torque_limit} N m."
-        ),
-        "It is one training seed of one algorithm, which says little about the algorithm, and chosen on simulated "
-        "episodes of a planar array. It has driven no hardware, and nothing about its stability is proved.",
-    ]
-    return "## Limits\n\n" + "\n".join(f"* {line}" for line in lines)
+## Training
 
+Trained on the model {env.model} in the scenario {env.scenario}. Drawn for every episode:
+{", ".join(ranges) or "nothing"}.
+Sensors and motor: {", ".join(hardware) or "ideal"}. Network: {sizes}{between}; observations are clipped to
+{network.observation_limit}. The configuration:
 
-def _use(name: str, policy: ShippedPolicy, found: float) -> str:
-    return f"""## Use
+```json
+{json.dumps(config, indent=2)}
+```
 
-In NumPy, without PyTorch; nothing is unpickled. Along a deployment and over random observations the actions of the
-ONNX form differ by up to {found:.1e}. With clearance even that changes single impacts: compare means over episodes.
+Kept is the policy that did best in the validations along the way.
+
+## Scores
+
+{scores}
+
+## Limits
+
+* Trained on the model, scenario, draws, sensors and motor above, with a control period of {task.control_period} s, a
+  deadline of {task.deadline} s and {task.postlock_window} s after the last latch. Do not trust it with models,
+  parameters, initial states, sensors, motors or periods on which neither training nor the scores above have tried it.
+* It expects these {len(names)} entries in this order, in the units of the environment:
+  {", ".join(f"`{entry}`" for entry in names)}. {action}
+* It is one training seed of one algorithm, which says little about the algorithm, and chosen on simulated episodes of a
+  planar array. It has driven no hardware, and nothing about its stability is proved.
+
+## Use
+
+In NumPy, without PyTorch; nothing is unpickled. Over random observations the actions of the ONNX form
+differ by up to {difference:.1e}. With clearance even that changes single impacts: compare means over
+episodes.
 
 ```python
 from agents.environments import make_env
@@ -100,7 +72,7 @@ policy.check(env)
 print(run_episode(env, policy, seed=0))
 ```
 
-In ONNX Runtime, from observations (n, {policy.network.inputs}) to actions (n, 1).
+In ONNX Runtime, from observations (n, {network.inputs}) to actions (n, 1).
 
 ```python
 import numpy
@@ -108,7 +80,8 @@ import onnxruntime
 from agents.policies.shipped import ONNX, SHIPPED
 
 session = onnxruntime.InferenceSession(SHIPPED / "{name}" / ONNX)
-observations = numpy.zeros((1, {policy.network.inputs}), dtype=numpy.float32)
+observations = numpy.zeros((1, {network.inputs}), dtype=numpy.float32)
 (actions,) = session.run(["action"], {{"observation": observations}})
 print(actions)
-```"""
+```
+"""

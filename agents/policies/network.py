@@ -1,6 +1,5 @@
 """The network of a policy as plain arrays, in NumPy."""
 
-import itertools
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,7 +12,7 @@ OUTPUTS = ("clip", "tanh")
 
 
 class Layer(NamedTuple):
-    """Weights (outputs, inputs) and biases (outputs,) of a fully connected layer."""
+    """Weights (outputs, inputs) and biases (outputs,) of a fully connected layer, both float32."""
 
     weights: np.ndarray
     biases: np.ndarray
@@ -21,25 +20,24 @@ class Layer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PolicyNetwork(DeterministicController):
-    """The deterministic action of a policy as plain arrays: features in double precision, the rest in single.
+    """The deterministic action of a policy as plain arrays in single precision.
 
     An action is the same, to the last bit, alone and among others.
 
     Attributes:
-        layers: Layers from the observation to the mean of the action; the first, in float64, computes the features, see
-            `agents.learning.features`, the others are float32.
-        feature_limit: Bound to which the features are clipped, in either direction.
-        activation: Function between the other layers: relu or tanh.
+        layers: Layers from the observation to the mean of the action.
+        observation_limit: Bound to which the entries of an observation are clipped, in either direction.
+        activation: Function between the layers: relu or tanh.
         output: Function that maps the mean to an action in [-1, 1]: clip or tanh.
         mean_limit: Bound to which the mean is clipped before that; None: no bound.
 
     Raises:
         ValueError: On construction; a layer does not fit the one before it, holds something else than finite numbers
-            of its precision, or a name or limit is unknown. The message names the layer and the value.
+            of single precision, or a name or limit is unknown. The message names the layer and the value.
     """
 
     layers: tuple[Layer, ...]
-    feature_limit: float
+    observation_limit: float
     activation: str
     output: str
     mean_limit: float | None = None
@@ -48,20 +46,22 @@ class PolicyNetwork(DeterministicController):
         for name, allowed in (("activation", ACTIVATIONS), ("output", OUTPUTS)):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; choose from {', '.join(allowed)}")
-        if self.mean_limit is not None and not 0.0 < self.mean_limit < np.inf:
-            raise ValueError(f"mean_limit is {self.mean_limit!r}; give a positive finite number or None")
-        if not 0.0 < self.feature_limit < np.inf:
-            raise ValueError(f"feature_limit is {self.feature_limit!r}; give a positive finite number")
-        if len(self.layers) < 2:
-            raise ValueError(f"there are {len(self.layers)} layers; a policy network needs features and an output")
-        for number, layer in enumerate(self.layers, start=1):
-            _check_layer(f"layer {number}", layer, np.float64 if number == 1 else np.float32)
-        for number, (before, layer) in enumerate(itertools.pairwise(self.layers), start=2):
-            if layer.weights.shape[1] != before.biases.size:
-                raise ValueError(
-                    f"layer {number}: weights have shape {layer.weights.shape}, but layer {number - 1} has "
-                    f"{before.biases.size} outputs"
-                )
+        for name in ("observation_limit", "mean_limit"):
+            if (limit := getattr(self, name)) is not None and not 0.0 < limit < np.inf:
+                raise ValueError(f"{name} is {limit!r}; give a positive finite number")
+        before = None
+        for number, (weights, biases) in enumerate(self.layers, start=1):
+            if {weights.dtype, biases.dtype} != {np.dtype(np.float32)}:
+                raise ValueError(f"layer {number} is of type {weights.dtype} and {biases.dtype}; expected float32")
+            if weights.ndim != 2 or not weights.size or biases.shape != weights.shape[:1]:
+                raise ValueError(f"layer {number}: biases {biases.shape} do not fit weights {weights.shape}")
+            if before not in (None, weights.shape[1]):
+                raise ValueError(f"layer {number} takes {weights.shape[1]} inputs, but the one before has {before}")
+            if not (np.isfinite(weights).all() and np.isfinite(biases).all()):
+                raise ValueError(f"layer {number} holds numbers that are not finite")
+            before = biases.size
+        if before is None:
+            raise ValueError("there are no layers; a policy network needs an output")
 
     @property
     def inputs(self) -> int:
@@ -91,29 +91,11 @@ class PolicyNetwork(DeterministicController):
 
     def _action(self, observation: np.ndarray) -> np.ndarray:
         """Action (outputs,) of an observation (inputs,)."""
-        features, seen = self.layers[0], observation.astype(np.float64)
-        values = np.clip(features.weights @ seen + features.biases, -self.feature_limit, self.feature_limit)
-        values = values.astype(np.float32)
-        for layer in self.layers[1:-1]:
+        values = np.clip(observation, -self.observation_limit, self.observation_limit)
+        for layer in self.layers[:-1]:
             values = layer.weights @ values + layer.biases
             values = np.tanh(values) if self.activation == "tanh" else np.maximum(values, np.float32(0.0))
         mean = self.layers[-1].weights @ values + self.layers[-1].biases
         if self.mean_limit is not None:
             mean = np.clip(mean, -self.mean_limit, self.mean_limit)
         return np.tanh(mean) if self.output == "tanh" else np.clip(mean, -1.0, 1.0)
-
-
-def _check_layer(which: str, layer: Layer, precision: type[np.floating]) -> None:
-    for name, array, dimensions in (("weights", layer.weights, 2), ("biases", layer.biases, 1)):
-        if array.dtype != precision:
-            raise ValueError(f"{which}: {name} are of type {array.dtype}; expected {precision.__name__}")
-        if array.ndim != dimensions or not array.size:
-            raise ValueError(
-                f"{which}: {name} have shape {array.shape}; expected {dimensions} dimensions, none of them 0"
-            )
-        if not np.isfinite(array).all():
-            raise ValueError(f"{which}: {name} hold {array[~np.isfinite(array)][0]}; expected finite numbers")
-    if layer.biases.size != layer.weights.shape[0]:
-        raise ValueError(
-            f"{which}: biases have shape {layer.biases.shape}, but weights have shape {layer.weights.shape}"
-        )

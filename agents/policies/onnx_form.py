@@ -15,40 +15,30 @@ ONNX_OPERATORS = {"relu": "Relu", "tanh": "Tanh"}
 
 def onnx_model(network: PolicyNetwork) -> Any:
     """Build the network as an `onnx.ModelProto`: "observation" (n, inputs) to "action" (n, outputs), both float32."""
-    nodes, constants = [], []
+    nodes: list[Any] = []
+    constants: list[Any] = []
 
-    def constant(name: str, value: Any, precision: type[np.floating] = np.float32) -> str:
-        constants.append(numpy_helper.from_array(np.asarray(value, dtype=precision), name))
-        return name
-
-    def node(operator: str, inputs: list[str], output: str, **attributes: Any) -> str:
-        nodes.append(helper.make_node(operator, inputs, [output], **attributes))
+    def node(operator: str, values: str, output: str, *parameters: Any, **attributes: Any) -> str:
+        names = [f"{output}_{number}" for number in range(len(parameters))]
+        arrays = [np.asarray(parameter, dtype=np.float32) for parameter in parameters]
+        constants.extend(map(numpy_helper.from_array, arrays, names))
+        nodes.append(helper.make_node(operator, [values, *names], [output], **attributes))
         return output
 
-    seen = node("Cast", ["observation"], "observation_in_double_precision", to=TensorProto.DOUBLE)
+    def clip(values: str, output: str, limit: float) -> str:
+        return node("Clip", values, output, -limit, limit)
 
-    first = network.layers[0]
-    weights, biases = (constant(f"{part}_1", getattr(first, part), np.float64) for part in first._fields)
-    limits = [
-        constant("least_feature", -network.feature_limit, np.float64),
-        constant("greatest_feature", network.feature_limit, np.float64),
-    ]
-    total = node("Gemm", [seen, weights, biases], "sum_1", transB=1)
-    features = node("Clip", [total, *limits], "features_in_double_precision")
-    values = node("Cast", [features], "features", to=TensorProto.FLOAT)
-    for number, layer in enumerate(network.layers[1:], start=2):
-        weights, biases = constant(f"weights_{number}", layer.weights), constant(f"biases_{number}", layer.biases)
-        values = node("Gemm", [values, weights, biases], f"sum_{number}", transB=1)
+    values = clip("observation", "clipped", network.observation_limit)
+    for number, layer in enumerate(network.layers, start=1):
+        values = node("Gemm", values, f"sum_{number}", *layer, transB=1)
         if number < len(network.layers):
-            values = node(ONNX_OPERATORS[network.activation], [values], f"hidden_{number}")
+            values = node(ONNX_OPERATORS[network.activation], values, f"hidden_{number}")
     if network.mean_limit is not None:
-        limits = [constant("least_mean", -network.mean_limit), constant("greatest_mean", network.mean_limit)]
-        values = node("Clip", [values, *limits], "limited_mean")
+        values = clip(values, "limited_mean", network.mean_limit)
     if network.output == "tanh":
-        node("Tanh", [values], "action")
+        node("Tanh", values, "action")
     else:
-        node("Clip", [values, constant("least_action", -1.0), constant("greatest_action", 1.0)], "action")
-
+        clip(values, "action", 1.0)
     graph = helper.make_graph(
         nodes,
         "policy",
@@ -56,19 +46,14 @@ def onnx_model(network: PolicyNetwork) -> Any:
         [helper.make_tensor_value_info("action", TensorProto.FLOAT, ["n", network.outputs])],
         constants,
     )
-    model = helper.make_model(
-        graph, opset_imports=[helper.make_opsetid("", OPSET)], ir_version=IR_VERSION, producer_name="solar-env"
-    )
+    opsets = [helper.make_opsetid("", OPSET)]
+    model = helper.make_model(graph, opset_imports=opsets, ir_version=IR_VERSION, producer_name="solar-env")
     checker.check_model(model, full_check=True)
     return model
 
 
 def difference(network: PolicyNetwork, onnx_bytes: bytes, observations: np.ndarray) -> float:
-    """Return the greatest difference of the actions of the ONNX form of a network from its own.
-
-    The observations (n, entries) are tried together and one by one.
-    """
+    """Return the greatest difference of the actions of the ONNX form from the network's, over observations (n, ...)."""
     session = onnxruntime.InferenceSession(onnx_bytes)
-    batches = (observations, *observations[:, None])
-    found = [session.run(["action"], {"observation": batch})[0] - network.act(batch) for batch in batches]
-    return max(float(np.max(np.abs(each))) for each in found)
+    (actions,) = session.run(["action"], {"observation": observations})
+    return float(np.max(np.abs(actions - network.act(observations))))

@@ -1,18 +1,21 @@
-"""Policies that come with the package: arrays and a description, run in NumPy and loaded without executing anything.
+"""Trained policies as controllers, and their files: arrays and a description, loaded without executing anything.
 
-A shipped policy is a folder with `policy.npz`, `policy.json`, `policy.onnx` and `card.md`, written by
+A policy of this package is a folder with `policy.npz`, `policy.json`, `policy.onnx` and `card.md`, written by
 `solar-env export`. This module needs neither Stable-Baselines3 nor PyTorch.
 """
 
 import json
 import re
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
+import gymnasium
 import numpy as np
 
 from agents.policies.network import Layer, PolicyNetwork
-from agents.policies.policy import Description, ShippedPolicy
+from agents.torque_laws import DeterministicController, Signals
+from solar_env.support.field_types import check_types
 from solar_env.support.files import PART, write_text, writing
 from solar_env.support.plain_arrays import read_arrays, read_json
 
@@ -21,9 +24,87 @@ ARRAYS = "policy.npz"
 DESCRIPTION = "policy.json"
 ONNX = "policy.onnx"
 CARD = "card.md"
-FORMAT = 4
+FORMAT = 5
+UNITS = ("torque_limit", "deadline", "control_period", "postlock_window")
 _MEMBER = re.compile(rf"({'|'.join(Layer._fields)})_\d{{1,3}}")
 _MOST_BYTES = 2**26
+
+
+@dataclass(frozen=True)
+class Description:
+    """Content of `policy.json`: all of a trained policy but the network's arrays.
+
+    Attributes:
+        algorithm: Name in `agents.learning.runs.ALGORITHMS`.
+        observation_limit, activation, output, mean_limit: See `PolicyNetwork`.
+        training_steps: Environment steps of its training, with those of the runs that it was resumed from.
+        env_id: Environment that it was trained on.
+        env_kwargs: Keywords of that environment.
+        observation_names: Name of every entry, in order; they stand in the comment of a C header.
+        torque_limit, deadline, control_period, postlock_window: See `Signals`.
+
+    Raises:
+        ValueError: On construction, for a value of another kind, a module in the environment's id, or a unit that is
+            not positive.
+    """
+
+    algorithm: str
+    observation_limit: float
+    activation: str
+    output: str
+    mean_limit: float | None
+    training_steps: int
+    env_id: str
+    env_kwargs: dict[str, Any]
+    observation_names: tuple[str, ...]
+    torque_limit: float
+    deadline: float
+    control_period: float
+    postlock_window: float
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        if ":" in self.env_id:  # Gymnasium imports what stands before it
+            raise ValueError(f"env_id is {self.env_id!r}; give an environment id that names no module")
+        for name in UNITS:
+            if getattr(self, name) <= 0.0:
+                raise ValueError(f"{name} is {getattr(self, name)}; give a positive number")
+
+    @property
+    def signals(self) -> Signals:
+        """Names and units of the environment that it was trained on."""
+        keywords = {name: self.env_kwargs[name] for name in ("driven_joint", "action") if name in self.env_kwargs}
+        return Signals(self.observation_names, **{name: getattr(self, name) for name in UNITS}, **keywords)
+
+
+class ShippedPolicy(DeterministicController):
+    """A trained policy as a controller.
+
+    Raises:
+        ValueError: The network does not fit the observation or the action.
+    """
+
+    def __init__(self, network: PolicyNetwork, description: Description) -> None:
+        names = description.observation_names
+        if (network.inputs, network.outputs) != (len(names), 1):
+            raise ValueError(
+                f"the layers map {network.inputs} inputs to {network.outputs} outputs; expected {len(names)} inputs, "
+                f"one for each of the observation's {', '.join(names)}, and 1 output, the action"
+            )
+        self.network = network
+        self.description = description
+
+    def act(self, observation: np.ndarray) -> np.ndarray:
+        """Map observations (n_obs,) or (n, n_obs) to actions (1,) or (n, 1); see `PolicyNetwork.act`."""
+        return self.network.act(observation)
+
+    def check(self, env: gymnasium.Env) -> None:
+        """Refuse an environment whose observations or actions have another meaning than in training.
+
+        Raises:
+            ValueError: As `Signals.check`.
+        """
+        self.description.signals.check(env, f"{self.description.env_id} with {self.description.env_kwargs}")
 
 
 def save(folder: Path, policy: ShippedPolicy) -> None:
@@ -49,7 +130,7 @@ def load_shipped(name: str | Path) -> ShippedPolicy:
         FileNotFoundError: There is none.
         OSError: A file cannot be read.
         ValueError: Its files are damaged, too large, of another format, hold pickled objects, or do not fit each other;
-            the message names the file.
+            the message names the folder.
     """
     folder = SHIPPED / name if str(name) in available() else Path(name)
     if not (folder / DESCRIPTION).is_file():
@@ -58,10 +139,9 @@ def load_shipped(name: str | Path) -> ShippedPolicy:
             f"available: {', '.join(available()) or 'none'}"
         )
     try:
-        description = _read_description(folder / DESCRIPTION)
-        d = description
-        network = PolicyNetwork(_read_layers(folder / ARRAYS), d.feature_limit, d.activation, d.output, d.mean_limit)
-        return ShippedPolicy(network, description)
+        d = _read_description(folder / DESCRIPTION)
+        layers = _read_layers(folder / ARRAYS)
+        return ShippedPolicy(PolicyNetwork(layers, d.observation_limit, d.activation, d.output, d.mean_limit), d)
     except ValueError as error:
         raise ValueError(f"{folder}: {error}") from error
 

@@ -80,11 +80,9 @@ LEVEL_LOOKS: Mapping[str, Look] = {
 }
 CONTROLLER_LOOKS: Mapping[str, Look] = {
     "passive": _look(GREY, "o", "--"),
-    "brake": _look(OLIVE, "v"),
     "damper": _look(GREEN, "^"),
     "servo": _look(BLUE, "s"),
     "shaped": _look(SKY, "D"),
-    "open-loop": _look(PURPLE, "<"),
     "soft-start": _look(ORANGE, ">"),
     "pd": _look(CRIMSON, "d"),
     "receding-horizon": _look("black", "*"),

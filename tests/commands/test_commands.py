@@ -225,7 +225,7 @@ assert "numba" not in sys.modules
 
 # What `pip install solar-env` does not bring along, by the names that are imported.
 OPTIONAL = (
-    *("onnx", "onnxruntime", "pygame", "imageio_ffmpeg", "moviepy", "Basilisk", "exudyn", "pdoc"),
+    *("onnx", "onnxruntime", "pygame", "moviepy", "Basilisk", "exudyn", "pdoc"),
     *("hypothesis", "importlinter", "mypy", "pytest"),
 )
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
-from agents.laws.brake import BrakeParameters, ConstantBrake
-from agents.laws.damper import DamperParameters, ViscousDamper
+from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.laws.servo import ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
 from agents.torque_laws import Signals
@@ -110,16 +109,6 @@ def test_a_law_damps_the_joint_that_it_drives_once_the_array_has_latched(law, pa
         actions.append(float(controller.predict(latched)[0][0]))
     assert actions[0] < 0.0
     assert actions[1] == 0.0
-
-
-@joints
-def test_a_brake_sets_in_where_the_joint_that_it_drives_is_open_far_enough(joint):
-    names = [entry.name for entry in observation_entries(2, "drive")]
-    brake = ConstantBrake(Signals(tuple(names), driven_joint=joint), BrakeParameters(0.1, onset=0.5))
-    for opening, expected in ((0.4, 0.0), (0.6, -0.2)):
-        observation = np.zeros(len(names), dtype=np.float32)
-        observation[names.index(f"theta_{joint + 1}")] = opening
-        assert brake.predict(observation)[0] == pytest.approx(expected)
 
 
 def test_a_policy_trained_with_the_motor_on_one_joint_is_refused_on_another():

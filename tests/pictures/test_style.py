@@ -38,7 +38,7 @@ def test_every_controller_and_algorithm_that_is_configured_has_its_look():
 
 def test_a_controller_looks_the_same_whatever_stands_beside_it():
     few = style.controller_looks(["servo", "cma-es-nominal"])
-    many = style.controller_looks(["passive", "runs/first", "cma-es-nominal", "brake", "servo"])
+    many = style.controller_looks(["passive", "runs/first", "cma-es-nominal", "damper", "servo"])
     assert all(few[name] == many[name] for name in few)
 
 

@@ -183,7 +183,7 @@ SMALL_TRAINING = [
         ),
         (
             [*SMALL_TRAINING, "--out", "{}"],
-            "checkpoint-previous.pkl", "kept the checkpoint of step .* --resume .* goes on",
+            "checkpoint-previous.npz", "kept the checkpoint of step .* --resume .* goes on",
         ),
     ],
     ids=["simulate", "design", "train"],

@@ -47,59 +47,43 @@ def passive_profile() -> np.ndarray:
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 
-class Deployments:
-    """Runs profiles, as many at once as are given, and keeps their returns and figures.
-
-    Args:
-        env_id, env_kwargs: Environment.
-        lanes: Most profiles at once.
-    """
-
-    def __init__(self, env_id: str, env_kwargs: dict[str, Any], lanes: int) -> None:
-        keywords = {**with_sampling(env_kwargs, env_id), "autoreset_mode": AutoresetMode.DISABLED}
-        self._env: Any = make_vector_env(lanes, env_id, keywords)
-        self.lanes = lanes
-
-    def run(self, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[dict[str, Any]]:
-        """Run an episode of each profile; returns "return" and the figures of `info["deployment"]`."""
-        env = self._env.unwrapped
-        given = np.stack([*profiles, *[passive_profile()] * (self.lanes - len(profiles))])
-        env.reset(seed=[*seeds, *[0] * (self.lanes - len(profiles))])
-        episodes, going = env.episodes, np.arange(len(profiles))
-        totals = np.zeros(self.lanes)
-        results: list[dict[str, Any]] = [{} for _ in profiles]
-        while going.size:
-            latched = episodes.batch.states.clock["latched_joints"][:, 0] > 0
-            episodes.step(going, actions(given, episodes.times, latched, env.task)[:, None])
-            totals[going] += episodes.rewards[going]
-            for lane in going[episodes.terminated[going]]:
-                results[lane] = {"return": float(totals[lane]), **episodes.figures(int(lane))}
-            going = going[~episodes.terminated[going]]
-        return results
-
-    def close(self) -> None:
-        """End the threads."""
-        self._env.close()
+def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[dict[str, Any]]:
+    """Run an episode of each profile, at most one a lane; returns "return" and the figures of `info["deployment"]`."""
+    env, idle = env.unwrapped, env.num_envs - len(profiles)
+    given = np.stack([*profiles, *[passive_profile()] * idle])
+    env.reset(seed=[*seeds, *[0] * idle])
+    episodes, going = env.episodes, np.arange(len(profiles))
+    totals = np.zeros(env.num_envs)
+    results: list[dict[str, Any]] = [{} for _ in profiles]
+    while going.size:
+        latched = episodes.batch.states.clock["latched_joints"][:, 0] > 0
+        episodes.step(going, actions(given, episodes.times, latched, env.task)[:, None])
+        totals[going] += episodes.rewards[going]
+        for lane in going[episodes.terminated[going]]:
+            results[lane] = {"return": float(totals[lane]), **episodes.figures(int(lane))}
+        going = going[~episodes.terminated[going]]
+    return results
 
 
 def run(args: Args) -> int:
     """Search torque profiles with chattering that the reward pays best, by CMA-ES, from the passive deployment."""
     folder, _ = args.folders("attack-on-reward")
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
-    with closing(Deployments(DEFAULT_ENV_ID, KEYWORDS, lanes)) as deployments:
+    keywords = {**with_sampling(KEYWORDS), "autoreset_mode": AutoresetMode.DISABLED}
+    with closing(make_vector_env(lanes, DEFAULT_ENV_ID, keywords)) as env:
         used = 0
 
         def costs(points: Sequence[np.ndarray]) -> list[float]:
             nonlocal used
             seeds = episode_seeds("training", SEED, used + len(points))[-len(points) :]
             used += len(points)
-            return [-result["return"] for result in deployments.run(points, seeds)]
+            return [-result["return"] for result in deployments(env, points, seeds)]
 
         budget = QUICK_EPISODES if args.quick else EPISODES
         found = minimise(costs, passive_profile(), budget, SEED, not args.quiet, spread=0.2)
         seeds = episode_seeds("validation", SEED, lanes)
         named = zip(("passive", "best episode", "mean of the search"), found, strict=True)
-        results = {name: deployments.run([profile] * lanes, seeds) for name, profile in named}
+        results = {name: deployments(env, [profile] * lanes, seeds) for name, profile in named}
     summary = {
         name: {
             "return": float(np.median([each["return"] for each in of])),

@@ -4,9 +4,9 @@ import pytest
 from training import run
 
 from agents.commands import train
-from agents.comparison.suites import SUITES
+from agents.comparison.evaluation import SUITES
 from agents.environments import environment_settings
-from agents.learning import configurations
+from agents.learning import runs
 from solar_env.commands.arguments import parse_arguments
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
@@ -25,14 +25,14 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
     ],
 )
 def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_single_steps_teach(arguments, model, timesteps):
-    config = train.configuration(parse_arguments(train.Args, arguments), seed=0)
+    config = train.configuration(parse_arguments(train.Args, arguments))
     assert config.env_kwargs["model"] == model
     assert config.timesteps == timesteps
 
 
 def test_one_of_the_keywords_of_a_policy_leaves_the_others_as_they_are():
     def policy_kwargs(hyperparameters):
-        given = configurations.complete(
+        given = runs.complete(
             "ppo", SUITES["paper"], {"model": "rigid-clearance"}, seed=0, hyperparameters=hyperparameters
         )
         return given.hyperparameters["policy_kwargs"]
@@ -45,7 +45,7 @@ def test_one_of_the_keywords_of_a_policy_leaves_the_others_as_they_are():
 @pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
-    config = configurations.complete(algo, env_id, {"model": "rigid-clearance"}, seed=0)
+    config = runs.complete(algo, env_id, {"model": "rigid-clearance"}, seed=0)
     period = environment_settings(env_id, config.env_kwargs).task.control_period
     assert period / (1.0 - config.hyperparameters["gamma"]) >= 30.0 - 1e-9
 
@@ -65,19 +65,12 @@ def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
         (["--hyperparams", "n_steps=0"], "ppo refuses its hyperparameters .*division by zero"),
         (["--hyperparams", "policy_kwargs=3"], "ppo refuses its hyperparameters .*'policy_kwargs': 3"),
         (["--algo", "cma-es", "--hyperparams", "first_weights=much"], "cma-es refuses its hyperparameters .*'much'"),
-        (["--hyperparams", "first_weights=0.5", "policy_kwargs={'net_arch':[8]}"], "first_weights is of a linear"),
-        (["--hyperparams", f"first_weights={[0.5] * 17}"], "first_weights has 17 numbers, but a policy here has 16"),
-        (["--start", "one", "--hyperparams", "first_weights=1"], "--start says what training begins"),
-        (["--start", "one", "--resume", "other"], "--start says what training begins with"),
-        (["--algo", "sac", "--start", "one"], "--start .* sac acts with the hyperbolic tangent .*; choose cma-es, ars"),
+        (["--hyperparams", f"first_weights={[0.5] * 17}"], "ppo refuses its hyperparameters"),
         (["--model", "rigid-clearance:4 elements"], "name it 'rigid-clearance'"),
         (["--env-kwargs", "scenario=randomised"], "leave the keyword out and choose --env-id"),
         (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),
         (["--eval-episodes", "0"], "the number of episodes is 0; choose one from 1"),
         (["--jobs", "0"], "jobs = 0"),
-        (["--seeds", "0", "1", "--seed", "100000"], "seed is 100000; choose one from 0 to 99999"),
-        (["--seeds", "1", "1"], "seed 1 is given 2 times; give it once"),
-        (["--seeds", "1", "2", "--resume", "runs/one"], "does not go with --resume"),
     ],
 )
 def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message):
@@ -90,11 +83,6 @@ def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message)
 def test_a_run_folder_with_a_name_that_is_too_long_is_refused(tmp_path):
     with pytest.raises(OSError, match=r"aaa \(File name too long\); choose another name"):
         run("--out", tmp_path / ("a" * 256))
-
-
-def test_several_seeds_need_a_folder_to_come_back_to():
-    with pytest.raises(ValueError, match="--seeds takes --out, the folder of their runs"):
-        run("--seeds", 0, 1)
 
 
 @pytest.mark.parametrize(

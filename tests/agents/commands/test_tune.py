@@ -8,8 +8,7 @@ import pytest
 from stable_baselines3.common.utils import set_random_seed
 
 from agents.commands import tune as tune_module
-from agents.commands.tune import tune
-from agents.environments import DEFAULT_ENV_ID, make_env, with_model
+from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from solar_env.__main__ import execute
@@ -28,39 +27,6 @@ def test_parameters_survive_the_way_to_the_unit_cube_and_back(name):
     low, high = cls.from_unit(np.zeros(count)), cls.from_unit(np.ones(count))
     for f in fields(cls):
         assert np.all(f.metadata["bounds"] == np.array([getattr(low, f.name), getattr(high, f.name)]).T)
-
-
-def test_tuning_finds_a_minimum_within_its_budget_and_repeats_itself():
-    target = np.array([0.2, 0.7, 0.5])
-    calls = []
-
-    def distances(points, seeds):
-        calls.extend([tuple(seeds)] * len(points))
-        return [float(np.sum((point - target) ** 2)) for point in points]
-
-    first = tune(distances, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
-    assert sum(map(len, calls)) <= 1200
-    np.testing.assert_allclose(first[-1], target, atol=1e-3)
-    second = tune(distances, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
-    np.testing.assert_array_equal(first[-1], second[-1])
-
-
-def test_tuning_gives_all_candidates_of_a_generation_the_same_fresh_episodes():
-    calls = []
-
-    def record(points, seeds):
-        calls.extend([tuple(seeds)] * len(points))
-        return [float(point[0]) for point in points]
-
-    tune(record, np.full(2, 0.5), 60, 2, seed=0, progress=False)
-    generations = list(dict.fromkeys(calls))
-    assert calls == [seeds for seeds in generations for _ in range(len(calls) // len(generations))]
-    assert len({seed for seeds in generations for seed in seeds}) == 2 * len(generations)
-
-
-def test_tuning_refuses_a_budget_without_a_generation():
-    with pytest.raises(ValueError, match="a budget of 1 points holds no generation; give at least 6"):
-        tune(lambda point, seeds: 0.0, np.full(2, 0.5), 3, 2, seed=0, progress=False)
 
 
 def test_the_points_of_a_search_do_not_depend_on_what_else_draws_random_numbers():
@@ -89,49 +55,51 @@ def test_the_points_of_a_search_do_not_depend_on_what_else_draws_random_numbers(
 def test_what_would_end_a_tuning_is_refused_before_it_begins(monkeypatch, option, message):
     monkeypatch.setattr(tune_module, "mean_returns", lambda *arguments: pytest.fail("simulates"))
     with pytest.raises(ValueError, match=message):
-        execute("tune", ["--controller", "brake", "--episodes", "6", "--quiet", option, "0"])
+        execute("tune", ["--controller", "damper", "--episodes", "6", "--quiet", option, "0"])
 
 
 @pytest.fixture
 def judged(monkeypatch):
-    """Points that get simulated, at no cost here: a brake is the better the nearer its torque is to 0.3 N m."""
+    """Points that get simulated, at no cost here: a damper is the better the nearer its damping is to 0.3."""
     candidates = []
 
     def mean_returns(controller, parameters, env_id, env_kwargs, seeds, workers):
-        candidates.append(list(parameters))
-        return [-((p.torque - 0.3) ** 2) for p in parameters]
+        candidates.append((list(parameters), tuple(seeds)))
+        return [-((p.damping - 0.3) ** 2) for p in parameters]
 
     monkeypatch.setattr(tune_module, "mean_returns", mean_returns)
     return candidates
 
 
 def stored(configs):
-    return json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]["rigid-clearance"]
+    return json.loads((configs / "damper.json").read_text())[DEFAULT_ENV_ID]["rigid-clearance"]
 
 
 def test_the_command_stores_the_best_that_it_found_with_its_return_and_that_of_the_start(configs, judged):
-    execute("tune", ["--controller", "brake", "--episodes", "600", "--quiet", "--validation-episodes", "1"])
+    execute("tune", ["--controller", "damper", "--episodes", "600", "--quiet", "--validation-episodes", "1"])
     found = stored(configs)
-    assert found["parameters"]["torque"] == pytest.approx(0.3, abs=0.01)
-    assert found["tuning"]["validation_return"] == -((found["parameters"]["torque"] - 0.3) ** 2)
-    assert found["tuning"]["validation_return"] == max(-((p.torque - 0.3) ** 2) for p in judged[-1])
-    assert found["tuning"]["validation_return_before_tuning"] == -((TUNABLE["brake"].defaults.torque - 0.3) ** 2)
+    assert found["parameters"]["damping"] == pytest.approx(0.3, abs=0.01)
+    assert found["tuning"]["validation_return"] == -((found["parameters"]["damping"] - 0.3) ** 2)
+    assert found["tuning"]["validation_return"] == max(-((p.damping - 0.3) ** 2) for p in judged[-1][0])
+    assert found["tuning"]["validation_return_before_tuning"] == -((TUNABLE["damper"].defaults.damping - 0.3) ** 2)
     assert found["tuning"]["training_episodes"] <= 600
+    seeds = [seed for _, seeds in judged for seed in seeds]
+    assert len(set(seeds)) == len(seeds), "every generation has fresh episodes, the same for all its candidates"
 
 
 def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judged):
     budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
-    had = {"parameters": {"torque": 0.25, "onset": 0.5}, "tuning": {"training_episodes": 30}}
+    had = {"parameters": {"damping": 0.25, "postlock_damping": 0.5}, "tuning": {"training_episodes": 30}}
     found, distances = {}, {}
     for options in ([], ["--refine", DEFAULT_ENV_ID]):
         judged.clear()
-        (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": had}}))
-        execute("tune", ["--controller", "brake", "--quiet", *options, *budget])
+        (configs / "damper.json").write_text(json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": had}}))
+        execute("tune", ["--controller", "damper", "--quiet", *options, *budget])
         found[bool(options)] = stored(configs)["tuning"]
-        start = TUNABLE["brake"].defaults.onset if not options else 0.5
-        distances[bool(options)] = np.mean([abs(p.onset - start) for p in judged[0]])
-    assert found[False]["start"] == asdict(TUNABLE["brake"].defaults)
-    assert found[True]["start"] == {"torque": 0.25, "onset": 0.5}
+        start = TUNABLE["damper"].defaults.postlock_damping if not options else 0.5
+        distances[bool(options)] = np.mean([abs(p.postlock_damping - start) for p in judged[0][0]])
+    assert found[False]["start"] == asdict(TUNABLE["damper"].defaults)
+    assert found[True]["start"] == {"damping": 0.25, "postlock_damping": 0.5}
     assert distances[True] < 0.5 * distances[False]
     assert found[False]["training_episodes_with_start"] == 6
     assert found[True]["training_episodes_with_start"] == 36
@@ -142,13 +110,13 @@ def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judge
     [([], "rigid-clearance"), (["--model", "flexible-ideal:1 element"], "flexible-ideal")],
 )
 def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models(configs, options, model):
-    before = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
+    before = json.loads((configs / "damper.json").read_text())[DEFAULT_ENV_ID]
     short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
     budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1", "--jobs", "1"]
-    execute("tune", ["--controller", "brake", *options, *budget, *short])
-    after = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
+    execute("tune", ["--controller", "damper", *options, *budget, *short])
+    after = json.loads((configs / "damper.json").read_text())[DEFAULT_ENV_ID]
     written = after[model]
     assert written["tuning"]["training_episodes"] == 6
     assert after == {**before, model: written} != before
-    with make_env(env_kwargs=with_model({}, model)) as made:
-        assert asdict(make_baseline("brake", made).parameters) == written["parameters"]
+    with make_env(env_kwargs={"model": model}) as made:
+        assert asdict(make_baseline("damper", made).parameters) == written["parameters"]

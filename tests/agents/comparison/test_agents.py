@@ -9,8 +9,9 @@ import pytest
 from scipy.stats import norm
 
 from agents.commands import evaluate
+from agents.commands.arguments import ModelOptions
 from agents.comparison.statistics import difference, estimate, improvement, interquartile_mean
-from agents.environments import episode_seeds, make_env, with_model, with_sampling
+from agents.environments import episode_seeds, with_sampling
 from agents.rollout import episode_figures
 from solar_env import SimulationError
 from solar_env.__main__ import main as solar_env
@@ -60,61 +61,36 @@ def test_nominal_episodes_differ_by_release_rates_and_randomised_ones_as_their_s
         assert with_sampling(given) == given
 
 
-def test_a_named_model_joins_the_environments_keywords_and_takes_the_place_of_the_default():
+def test_a_named_model_joins_the_keywords_takes_the_place_of_the_default_and_contradicts_no_other():
     default = {"model": "flexible-clearance"}
-    assert with_model({"torque_limit": 0.3}) == {"torque_limit": 0.3}
-    assert with_model({}, default=default) == default
-    assert with_model({}, "rigid-clearance", default) == {"model": "rigid-clearance"}
-    assert with_model({"model": "rigid-ideal"}, default=default) == {"model": "rigid-ideal"}
-    with make_env(env_kwargs=with_model({}, "flexible-ideal:2 elements", default)) as made:
-        assert made.unwrapped.model == "flexible-ideal:2 elements"
-
-
-def test_a_model_that_contradicts_the_keywords_is_refused():
+    assert ModelOptions(None, {"torque_limit": 0.3}).keywords() == {"torque_limit": 0.3}
+    assert ModelOptions().keywords(default) == default
+    assert ModelOptions("rigid-clearance").keywords(default) == {"model": "rigid-clearance"}
+    assert ModelOptions(None, {"model": "rigid-ideal"}).keywords(default) == {"model": "rigid-ideal"}
     with pytest.raises(ValueError, match="--model flexible-ideal contradicts --env-kwargs model=rigid-ideal"):
-        with_model({"model": "rigid-ideal"}, "flexible-ideal")
+        ModelOptions("flexible-ideal", {"model": "rigid-ideal"}).keywords()
 
 
 def test_interquartile_mean_ignores_the_outer_quarters():
     assert interquartile_mean(np.array([-1e9, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1e9])) == 3.5
 
 
-def test_bootstrap_interval_contains_the_point_estimate_and_narrows_with_more_episodes():
-    rng = np.random.default_rng(0)
-    few, many = (estimate([rng.normal(size=n)]) for n in (20, 2000))
-    for result in (few, many):
-        assert result.lower < result.mean < result.upper
-    assert many.upper - many.lower < 0.25 * (few.upper - few.lower)
-
-
-def test_bootstrap_interval_covers_the_truth_about_as_often_as_it_claims():
-    rng = np.random.default_rng(1)
-    results = [estimate([rng.normal(size=50)], seed=i, resamples=400) for i in range(200)]
-    coverage = np.mean([result.lower <= 0.0 <= result.upper for result in results])
-    assert 0.88 <= coverage <= 0.99
-
-
 def test_the_interval_of_runs_on_common_episodes_covers_the_truth_although_episodes_do_not_average_out():
     """Figures of an episode and of a run, which add up: episodes as hard for one run as for the others."""
     rng = np.random.default_rng(3)
     covered = []
-    for _ in range(200):
+    for _ in range(100):
         hardness, skill = rng.normal(size=40), rng.normal(scale=0.3, size=(5, 1))
-        result = estimate(list(skill + hardness), resamples=400, mean=lambda values: np.mean(values, axis=-1))
+        result = estimate(list(skill + hardness), resamples=200, mean=lambda values: np.mean(values, axis=-1))
         covered.append(result.lower <= 0.0 <= result.upper)
-    assert 0.88 <= np.mean(covered) <= 0.99
+    assert 0.85 <= np.mean(covered) <= 0.99
 
 
 def test_the_interval_of_a_difference_counts_the_runs_of_the_reference_as_a_sample_too():
-    """Equal algorithms whose runs differ: that theirs are few is as good a reason for doubt as that ours are."""
     rng = np.random.default_rng(4)
-    covered = []
-    for _ in range(200):
-        hardness = rng.normal(size=30)
-        mine, others = (rng.normal(size=(8, 1)) + rng.normal(size=(8, 30)) + hardness for _ in range(2))
-        result = difference(list(mine), list(others))
-        covered.append(result.lower <= 0.0 <= result.upper)
-    assert 0.88 <= np.mean(covered) <= 0.99
+    mine, others = rng.normal(size=30), rng.normal(size=(8, 1)) + rng.normal(size=(8, 30))
+    apart, pooled = difference([mine], list(others)), difference([mine], [others.mean(axis=0)])
+    assert apart.upper - apart.lower > 1.5 * (pooled.upper - pooled.lower)
 
 
 def test_an_improvement_on_several_runs_is_over_each_of_them():
@@ -130,14 +106,6 @@ def test_the_probability_of_improvement_is_that_of_two_shifted_normal_laws():
     found = improvement([mine], [other])
     assert found.lower < norm.cdf(0.5 / np.sqrt(2.0)) < found.upper
     assert found.upper - found.lower == pytest.approx(2 * 1.96 * np.sqrt(0.64 * 0.36 / 4000), rel=0.1)
-
-
-def test_differences_between_training_runs_widen_the_interval():
-    rng = np.random.default_rng(2)
-    runs = [rng.normal(loc=offset, scale=0.1, size=50) for offset in (-1.0, 0.0, 1.0)]
-    pooled, apart = estimate([np.concatenate(runs)]), estimate(runs)
-    assert apart.mean == pooled.mean
-    assert apart.upper - apart.lower > 2.0 * (pooled.upper - pooled.lower)
 
 
 def test_missing_figures_are_left_out_of_the_estimate():
@@ -190,12 +158,6 @@ class Example:
     """some pairs"""
 
 
-def test_pairs_add_up_when_their_option_is_repeated():
-    once = parse_arguments(Example, ["--keywords", "a=1", "b=2"])
-    assert parse_arguments(Example, ["--keywords", "a=1", "--keywords", "b=2"]) == once
-    assert parse_arguments(Example, []).keywords == {}
-
-
 @pytest.mark.parametrize(
     "error",
     [ValueError("no x; name another"), FileNotFoundError("no x; name another"), SimulationError("no x", 1.0, "step")],
@@ -210,15 +172,6 @@ def test_an_error_that_is_none_of_the_input_is_shown_whole(monkeypatch):
     monkeypatch.setattr(evaluate, "run_command", Mock(side_effect=ZeroDivisionError))
     with pytest.raises(ZeroDivisionError):
         solar_env(["evaluate"])
-
-
-def test_a_documented_dataclass_is_a_command_line(capsys):
-    assert parse_arguments(Example, []) == Example()
-    arguments = ["--env-id", "y", "--steps", "3", "--quiet", "--names", "b", "c", "--keywords", "k=1", "l:two"]
-    assert parse_arguments(Example, arguments) == Example("y", 3, True, ["b", "c"], {"k": 1, "l": "two"})
-    with pytest.raises(SystemExit):
-        parse_arguments(Example, ["--help"])
-    assert "how many" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -2,16 +2,13 @@
 
 import pickle
 
-import gymnasium
 import numpy as np
 import pytest
 
 from agents.comparison.controllers import parse_controller
 from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
 from agents.environments import DEFAULT_ENV_ID, make_env
-from agents.laws.baselines import make_baseline
-from agents.laws.damper import DamperParameters, ViscousDamper
-from agents.laws.table import LAWS
+from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.rollout import run_episode
 from agents.torque_laws import DeterministicController, Signals
 from solar_env.environment.registration import DEPLOY_RANDOMISED
@@ -82,9 +79,15 @@ def everything(env):
     return pickle.dumps(kept)
 
 
-@pytest.mark.parametrize("observation", ["history", "landing", ["theta_1_ago"]])
-@pytest.mark.parametrize("action", ["torque", "rate"])
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED])
+@pytest.mark.parametrize(
+    ("env_id", "action", "observation"),
+    [
+        (DEFAULT_ENV_ID, "torque", "history"),
+        (DEFAULT_ENV_ID, "rate", "landing"),
+        (DEPLOY_RANDOMISED, "torque", ["theta_1_ago"]),
+        (DEPLOY_RANDOMISED, "rate", "landing"),
+    ],
+)
 def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_contact(env_id, action, observation):
     env = make(env_id, action=action, observation=observation)
     observed = brought_into_contact(env)
@@ -101,11 +104,6 @@ def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_conta
             assert futures.terms[lane].tolist() == list(info["reward_terms"].values())
             np.testing.assert_array_equal(futures.observations[lane], observed)
     assert futures.batch.simulations[0].state.v.tobytes() != futures.batch.simulations[1].state.v.tobytes()
-
-
-def test_futures_need_an_episode():
-    with pytest.raises(gymnasium.error.ResetNeeded):
-        make().unwrapped.futures(2)
 
 
 @pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED])
@@ -135,15 +133,6 @@ def test_what_was_predicted_comes_to_pass_though_the_loop_of_the_drive_measures_
     assert realised >= run_episode(env, SteadyRate(), 0)["return"] > -25.0
 
 
-def test_with_residuals_too_small_to_matter_it_does_what_the_base_law_does():
-    env = make()
-    slight = SearchSettings(candidates=3, elites=2, initial_deviation=1e-60, least_deviation=1e-60)
-    expected = []
-    run_episode(env, damper(env), 0, lambda step: expected.append(step.action))
-    _, actions, _ = played(env, RecedingHorizon(env, damper(env), slight))
-    np.testing.assert_array_equal(actions, expected)
-
-
 def test_it_repeats_itself_to_the_last_bit_and_depends_on_its_seed():
     env = make(DEPLOY_RANDOMISED, model="rigid-ideal")
     controller = search(env)
@@ -154,24 +143,6 @@ def test_it_repeats_itself_to_the_last_bit_and_depends_on_its_seed():
         assert repeated[1].tobytes() == first[1].tobytes()
         assert repeated[2] == first[2]
     assert other[2] != first[2]
-
-
-def test_actions_have_the_shape_of_the_observation_and_the_bounds_of_the_action_space():
-    env = make(model="rigid-ideal")
-    observation, _ = env.reset(seed=0)
-    controller = search(env)
-    one, _ = controller.predict(observation)
-    assert one in env.action_space
-    row, _ = controller.predict(observation[np.newaxis])
-    np.testing.assert_array_equal(row, [one])
-
-
-def test_around_a_law_it_begins_at_the_tuned_parameters_but_others_are_not_measured_by_it():
-    assert "receding-horizon:servo" not in LAWS
-    env = make_env()
-    controller = parse_controller("receding-horizon:servo").load(env)
-    assert isinstance(controller, RecedingHorizon)
-    assert controller._base.parameters == make_baseline("servo", env).parameters
 
 
 def test_around_a_shipped_policy_it_commands_rates_and_is_no_worse_than_the_policy():
@@ -186,19 +157,16 @@ def test_around_a_shipped_policy_it_commands_rates_and_is_no_worse_than_the_poli
     assert realised >= run_episode(env, policy, 0)["return"]
 
 
-def test_around_another_controller_it_has_a_name_of_its_own_files_and_effort():
+def test_around_another_controller_it_has_a_name_of_its_own_and_the_files():
     policy, around = parse_controller("cma-es-rigid"), parse_controller("bound=receding-horizon:cma-es-rigid")
     assert around.name == "bound"
     assert around.files() == policy.files()
-    assert around.effort(DEFAULT_ENV_ID, "rigid-clearance") == policy.effort(DEFAULT_ENV_ID, "rigid-clearance")
     assert parse_controller("receding-horizon:runs/seed-0").name == "receding-horizon:runs/seed-0"
 
 
 def test_a_search_around_nothing_or_around_a_search_is_refused():
-    for text in ("receding-horizon", "bound=receding-horizon", "receding-horizon:receding-horizon"):
-        with pytest.raises(ValueError, match="'receding-horizon' searches around another controller: name it, as in"):
+    for text in ("receding-horizon", "bound=receding-horizon", "receding-horizon:receding-horizon:servo"):
+        with pytest.raises(ValueError, match="searches around another controller, and not around"):
             parse_controller(text)
-    with pytest.raises(ValueError, match="is a search around a search; name a law"):
-        parse_controller("receding-horizon:receding-horizon:servo")
     runs = ("receding-horizon:runs/receding-horizon", "runs/receding-horizon")
     assert [parse_controller(run).resolved.endswith("runs/receding-horizon") for run in runs] == [True, True]

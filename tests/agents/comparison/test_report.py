@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from agents.comparison.report import read_rows, references, summarize, tabulate, write_comparison
+from agents.comparison.report import references, summarize, tabulate
 
 
 def episode(controller, spec, index, force, latched=True):
@@ -28,8 +28,7 @@ def test_runs_under_one_name_are_pooled_as_training_seeds():
 
 
 def test_tables_are_in_the_units_of_their_headings():
-    scores = tabulate([episode("x", "x", i, 2.5) for i in range(4)]).scores
-    head, _, row = scores.splitlines()[-3:]
+    head, _, row = tabulate([episode("x", "x", i, 2.5) for i in range(4)]).splitlines()[-3:]
     cells = dict(zip(head.split(" | "), row.split(" | "), strict=True))
     assert cells["peak post-lock force [N]"] == "2.5 [2.5, 2.5]; worst 2.5"
     assert cells["post-lock sliding work [mJ] |"] == "2.5 [2.5, 2.5]; worst 2.5 |"
@@ -49,60 +48,24 @@ def test_missed_deployments_lower_the_latched_share_and_not_the_force():
     entry = summarize(rows)["x"]
     assert entry["latched"] == 0.5
     assert entry["peak_postlock_force_N"].mean == 100.0
-    assert "| x | 50% |" in tabulate(rows).scores
+    assert "| x | 50% |" in tabulate(rows)
 
 
 def test_the_worst_episode_is_the_lowest_return_and_the_highest_force():
-    text = str(tabulate([episode("x", "x", i, force) for i, force in enumerate((100.0, 900.0))]))
+    text = tabulate([episode("x", "x", i, force) for i, force in enumerate((100.0, 900.0))])
     assert "worst -900" in text
     assert "worst 900" in text
 
 
-@pytest.mark.parametrize(
-    ("episodes", "told"),
-    [(1, "One evaluation episode"), (3, "Fewer than 4 have no interval"), (4, "with a 95 % bootstrap interval")],
-)
-def test_too_few_episodes_have_no_interval_and_the_table_says_so(episodes, told):
+@pytest.mark.parametrize("episodes", [1, 3, 4])
+def test_too_few_episodes_have_no_interval(episodes):
     rows = [
         episode(name, name, i, force) for name, force in (("passive", 100.0), ("x", 900.0)) for i in range(episodes)
     ]
-    text = str(tabulate(rows))
-    assert told in text
+    text = tabulate(rows)
     assert bool(re.search(r"\d%? \[", text)) == (episodes >= 4)
-    assert ("worst" in text) == (episodes > 1)
+    assert ("; worst" in text) == (episodes > 1)
 
 
 def test_the_runs_of_a_controller_count_too():
-    text = str(tabulate([episode("x", spec, 0, 100.0) for spec in "abcd"]))
-    assert text.startswith("Interquartile mean over one evaluation episode, the same for every controller, with a 95 %")
-    assert re.search(r"\d \[", text)
-
-
-ROWS = [episode(name, name, i, 2.5) for name in ("passive", "ppo") for i in range(3)]
-
-
-def test_rows_come_back_as_they_were_written(tmp_path):
-    write_comparison(tmp_path, ROWS, {}, {})
-    assert read_rows(tmp_path / "episodes.csv") == ROWS
-
-
-@pytest.mark.parametrize(
-    ("damage", "told"),
-    [
-        (lambda text: "", "it has no lines"),
-        (lambda text: text.replace("return", "yield"), "a line has no return"),
-        (lambda text: text[: text.rindex(",") - 3], "a line has not one cell for each heading"),
-        (lambda text: text.replace("passive", "passive,1", 1), "a line has not one cell for each heading"),
-        (lambda text: text.rsplit("\n", 2)[0], "its controllers have not the same episodes, once each"),
-        (lambda text: text + text.rsplit("\n", 2)[1], "its controllers have not the same episodes, once each"),
-        (lambda text: text.replace("-2.5", "much"), "could not convert string to float: 'much'"),
-        (lambda text: text.replace("2.5", "", 1), "a line has no|could not convert"),
-        (lambda text: "\xff\xfe\x00", "'utf-8' codec can't decode"),
-    ],
-)
-def test_a_damaged_file_of_episodes_is_told_by_its_name(tmp_path, damage, told):
-    write_comparison(tmp_path, ROWS, {}, {})
-    path = tmp_path / "episodes.csv"
-    path.write_text(damage(path.read_text()), encoding="latin-1")
-    with pytest.raises(ValueError, match=rf"episodes.csv is damaged, or has no episodes of a comparison \(({told})"):
-        read_rows(path)
+    assert re.search(r"\d \[", tabulate([episode("x", spec, 0, 100.0) for spec in "abcd"]))

@@ -10,9 +10,7 @@ from unittest.mock import Mock
 import pytest
 
 from agents.environments import DEFAULT_ENV_ID
-from agents.learning import checkpoints, configurations, learn, runs
-from agents.learning.callbacks import DeploymentLogger
-from agents.learning.runs import DamagedFileError
+from agents.learning import checkpoints, learn, runs
 from agents.learning.storage import packed
 from solar_env.support import files
 
@@ -22,7 +20,6 @@ ON_POLICY = {"n_steps": 20, "batch_size": 20}
 OFF_POLICY = {"learning_starts": 30, "buffer_size": 500, "batch_size": 16, "train_freq": 10, "gradient_steps": 2}
 # Name -> algorithm, hyperparameters.
 AGENTS = {
-    "ppo": ("ppo", ON_POLICY),
     "noisy": ("ppo", ON_POLICY),  # with sensors whose noise is drawn by what draws the next episodes
     "sac": ("sac", OFF_POLICY),
     "td3": ("td3", {**OFF_POLICY, "exploration_noise": 0.2}),
@@ -34,11 +31,11 @@ AGENTS = {
 SEARCHES = ("cma-es", "ars")  # whose rollouts are whole episodes of several candidates
 
 
-def configuration(name="ppo", timesteps=200):
+def configuration(name="noisy", timesteps=200):
     algo, hyperparameters = AGENTS[name]
     env_kwargs = {**QUICK, "observation": "landing"} if name in SEARCHES else QUICK
     env_id = "solar_env/DeployRandomised-v1" if name == "noisy" else DEFAULT_ENV_ID
-    return configurations.complete(algo, env_id, env_kwargs, 5, 2, timesteps, hyperparameters)
+    return runs.complete(algo, env_id, env_kwargs, 5, 2, timesteps, hyperparameters)
 
 
 def train(folder, config, resume=None):
@@ -57,14 +54,14 @@ def train_until(step, folder, config):
 
 
 def interrupt_at(monkeypatch, step):
-    logged = DeploymentLogger._on_step
+    validated = learn.Validation._on_step
 
     def interrupted(self):
         if self.num_timesteps >= step:
             raise KeyboardInterrupt
-        return logged(self)
+        return validated(self)
 
-    monkeypatch.setattr(DeploymentLogger, "_on_step", interrupted)
+    monkeypatch.setattr(learn.Validation, "_on_step", interrupted)
 
 
 def content(folder):
@@ -72,36 +69,34 @@ def content(folder):
     return (folder / runs.CHECKPOINTS[0]).read_bytes()
 
 
-@pytest.mark.parametrize("name", AGENTS)
+@pytest.mark.parametrize("name", [*sorted(set(AGENTS) - {"td3"}), pytest.param("td3", marks=pytest.mark.slow)])
 def test_an_interrupted_training_goes_on_bit_for_bit(name, tmp_path):
-    config = configuration(name, 1000 if name in SEARCHES else 200)
+    config = configuration(name, 500 if name in SEARCHES else 200)
     whole = train(tmp_path / "whole", config)
-    (note,) = train_until(700 if name in SEARCHES else 135, tmp_path / "cut", config)
+    (note,) = train_until(400 if name in SEARCHES else 135, tmp_path / "cut", config)
     kept = re.match(r"kept the checkpoint of step (\d+); solar-env train --resume ", note)
-    assert int(kept[1]) == 120 if name not in SEARCHES else 0 < int(kept[1]) < 700
+    assert int(kept[1]) == 120 if name not in SEARCHES else 0 < int(kept[1]) < 400
     assert not runs.is_complete(tmp_path / "cut")
-    for folder in (tmp_path / "other", tmp_path / "cut"):  # into another folder, and into its own
-        train(folder, runs.stored_configuration(tmp_path / "cut"), tmp_path / "cut")
-        assert runs.is_complete(folder)
-        assert content(folder) == content(whole)
-        record, of_whole = runs.read_config(folder), runs.read_config(whole)
-        assert {**record, "resumed_from": None} == of_whole
-        assert [(folder / of).read_bytes() for of in runs.POLICY] == [(whole / of).read_bytes() for of in runs.POLICY]
+    folder = tmp_path / ("other" if name == "sac" else "cut")  # into another folder, or into its own
+    train(folder, runs.read_config(tmp_path / "cut"), tmp_path / "cut")
+    assert runs.is_complete(folder)
+    assert content(folder) == content(whole)
+    assert replace(runs.read_config(folder), resumed_from=None) == runs.read_config(whole)
+    assert [(folder / of).read_bytes() for of in runs.POLICY] == [(whole / of).read_bytes() for of in runs.POLICY]
 
 
 def test_a_training_that_is_complete_goes_on_for_as_many_steps_again(tmp_path):
     first = train(tmp_path / "first", configuration(timesteps=80))
-    second = train(tmp_path / "second", runs.stored_configuration(first), first)
-    assert checkpoints.read(second).timesteps == 160
-    assert runs.read_config(second)["timesteps_before"] == 80
-    steps = checkpoints.read(second).history["evaluations_timesteps"].tolist()
+    second = train(tmp_path / "second", runs.read_config(first), first)
+    assert checkpoints.read(second)["timesteps"] == 160
+    assert runs.read_config(second).timesteps_before == 80
+    steps = checkpoints.read(second)["history"]["evaluations_timesteps"].tolist()
     assert steps[0] == 0
     assert steps == sorted(set(steps))
 
 
-@pytest.mark.parametrize("resumed", [False, True])
-def test_a_training_interrupted_before_its_first_checkpoint_begins_again(resumed, tmp_path, monkeypatch):
-    before = train(tmp_path / "before", configuration(timesteps=40)) if resumed else None
+def test_a_training_interrupted_before_its_first_checkpoint_begins_again(tmp_path, monkeypatch):
+    before = train(tmp_path / "before", configuration(timesteps=40))
     config = configuration(timesteps=80)
     whole, cut = train(tmp_path / "whole", config, before), tmp_path / "cut"
 
@@ -112,49 +107,38 @@ def test_a_training_interrupted_before_its_first_checkpoint_begins_again(resumed
     (note,) = stop.value.__notes__
     assert note == f"no checkpoint was due yet; solar-env train --resume {cut} begins where this one began"
     assert not learn.has_checkpoint(cut)
-    train(cut, runs.stored_configuration(cut), cut)
+    train(cut, runs.read_config(cut), cut)
     assert content(cut) == content(whole)
     assert runs.read_config(cut) == runs.read_config(whole)
-
-
-def test_a_complete_training_without_its_checkpoint_is_not_begun_again(tmp_path):
-    folder = train(tmp_path / "run", configuration(timesteps=40))
-    for name in runs.CHECKPOINTS:
-        (folder / name).unlink(missing_ok=True)
-    with pytest.raises(FileNotFoundError, match="has no checkpoint to go on from; start a new run"):
-        train(tmp_path / "other", runs.stored_configuration(folder), folder)
 
 
 def test_fewer_steps_than_an_interrupted_training_has_done_are_refused(tmp_path):
     train_until(135, tmp_path / "cut", configuration())
     with pytest.raises(ValueError, match=r"timesteps is 50: .* has trained for 120 steps; give more"):
-        train(tmp_path / "other", replace(runs.stored_configuration(tmp_path / "cut"), timesteps=50), tmp_path / "cut")
+        train(tmp_path / "other", replace(runs.read_config(tmp_path / "cut"), timesteps=50), tmp_path / "cut")
 
 
-@pytest.mark.parametrize("timesteps", [80, 70])  # whole rollouts, and more than were asked for
-def test_a_training_that_ended_before_it_could_say_so_only_says_so(timesteps, tmp_path):
-    folder = train(tmp_path / "run", configuration(timesteps=timesteps))
+def test_a_training_that_ended_before_it_could_say_so_only_says_so(tmp_path):
+    folder = train(tmp_path / "run", configuration(timesteps=70))  # in whole rollouts, more than were asked for
     before = content(folder)
-    assert runs.steps_taken(folder) == checkpoints.read(folder).timesteps == 80
+    assert checkpoints.read(folder)["timesteps"] == 80
     (folder / runs.TIMING).unlink()
-    assert runs.steps_taken(folder) == timesteps
-    train(folder, runs.stored_configuration(folder), folder)
+    train(folder, runs.read_config(folder), folder)
     assert runs.is_complete(folder)
     assert content(folder) == before
 
 
-@pytest.mark.parametrize("damage", [b"", b"half"])
-def test_where_the_newest_checkpoint_is_damaged_the_one_before_is_taken(tmp_path, damage):
+def test_where_the_newest_checkpoint_is_damaged_the_one_before_is_taken(tmp_path):
     folder = train(tmp_path / "run", configuration(timesteps=120))
     newest = folder / runs.CHECKPOINTS[0]
     whole = newest.read_bytes()
-    newest.write_bytes(whole[: len(whole) // 2] if damage else b"")
+    newest.write_bytes(whole[: len(whole) // 2])
     with pytest.warns(UserWarning, match="checkpoint.npz is damaged; the checkpoint before it is taken"):
-        assert checkpoints.read(folder).timesteps == 80
-    (folder / runs.CHECKPOINTS[1]).write_bytes(damage)
+        assert checkpoints.read(folder)["timesteps"] == 80
+    (folder / runs.CHECKPOINTS[1]).write_bytes(b"half")
     with (
         pytest.warns(UserWarning, match="is damaged"),
-        pytest.raises(DamagedFileError, match=r"no checkpoint in .* can be read"),
+        pytest.raises(ValueError, match=r"no checkpoint in .* can be read"),
     ):
         checkpoints.read(folder)
 
@@ -168,27 +152,26 @@ def taken(tmp_path_factory):
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="kills a child process")
-@pytest.mark.parametrize("share", [0.0, 0.999, 1.0])
-@pytest.mark.parametrize("older", [1, 2])
+@pytest.mark.parametrize(("share", "older"), [(0.0, 1), (0.999, 2), (1.0, 2)])
 def test_a_kill_while_a_checkpoint_is_written_leaves_a_whole_one(tmp_path, taken, share, older):
     size = len(packed(taken))
     for number in range(older):
-        checkpoints.write(tmp_path, replace(taken, timesteps=number))
+        checkpoints.write(tmp_path, {**taken, "timesteps": number})
     child = os.fork()
     if child == 0:
         with pytest.MonkeyPatch.context() as patch:
             after_bytes(patch, share * size, lambda: os.kill(os.getpid(), signal.SIGKILL))
-            checkpoints.write(tmp_path, replace(taken, timesteps=older))
+            checkpoints.write(tmp_path, {**taken, "timesteps": older})
         os._exit(0)
     _, status = os.waitpid(child, 0)
     assert os.WIFSIGNALED(status)
-    assert checkpoints.read(tmp_path).timesteps == older - 1
+    assert checkpoints.read(tmp_path)["timesteps"] == older - 1
 
 
 @pytest.mark.parametrize("moment", [1, 2])
 def test_a_kill_between_the_two_generations_leaves_a_whole_one(tmp_path, taken, moment, monkeypatch):
     for number in range(2):
-        checkpoints.write(tmp_path, replace(taken, timesteps=number))
+        checkpoints.write(tmp_path, {**taken, "timesteps": number})
     moves = []
     move = checkpoints.Path.replace
 
@@ -200,22 +183,22 @@ def test_a_kill_between_the_two_generations_leaves_a_whole_one(tmp_path, taken, 
 
     monkeypatch.setattr(checkpoints.Path, "replace", stopped)
     with pytest.raises(KeyboardInterrupt):
-        checkpoints.write(tmp_path, replace(taken, timesteps=2))
-    assert checkpoints.read(tmp_path).timesteps == 1
+        checkpoints.write(tmp_path, {**taken, "timesteps": 2})
+    assert checkpoints.read(tmp_path)["timesteps"] == 1
 
 
-@pytest.mark.parametrize("share", [0.0, 0.5, 0.999])
+@pytest.mark.parametrize("share", [0.0, 0.999])
 def test_a_full_disk_ends_a_training_and_leaves_the_checkpoint_before(tmp_path, taken, share, monkeypatch):
     for number in range(2):
-        checkpoints.write(tmp_path, replace(taken, timesteps=number))
+        checkpoints.write(tmp_path, {**taken, "timesteps": number})
 
     def full():
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     after_bytes(monkeypatch, share * len(packed(taken)), full)
     with pytest.raises(OSError, match="No space left"):
-        checkpoints.write(tmp_path, replace(taken, timesteps=2))
-    assert checkpoints.read(tmp_path).timesteps == 1
+        checkpoints.write(tmp_path, {**taken, "timesteps": 2})
+    assert checkpoints.read(tmp_path)["timesteps"] == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(runs.CHECKPOINTS)
 
 

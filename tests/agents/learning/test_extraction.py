@@ -11,8 +11,7 @@ from training import last_model
 
 from agents.environments import make_env
 from agents.learning import runs
-from agents.learning.extraction import network_of, policy_of
-from agents.learning.features import DriveFeatures, observation_features
+from agents.learning.models import ClippedEntries, network_of, policy_of
 from agents.policies import onnx_form
 
 
@@ -20,7 +19,7 @@ from agents.policies import onnx_form
 def test_the_policy_of_a_training_acts_as_its_model(finished, name):
     run = finished[name][0]
     model, observations = last_model(run), random_observations(500)
-    policy = policy_of(model, runs.stored_configuration(run))
+    policy = policy_of(model, runs.read_config(run))
     expected, _ = model.predict(observations, deterministic=True)
     actions, _ = policy.predict(observations)
     assert (actions.shape, actions.dtype) == ((500, 1), np.float32)
@@ -30,11 +29,7 @@ def test_the_policy_of_a_training_acts_as_its_model(finished, name):
 
 def untrained(cls, **keywords):
     env = make_env(env_kwargs={"model": "rigid-ideal", "observation": "drive"})
-    features = {
-        "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {"features": observation_features(env.unwrapped.observation_names)},
-    }
-    kwargs = {"net_arch": [32, 16], **features, **keywords.pop("policy_kwargs", {})}
+    kwargs = {"net_arch": [32, 16], "features_extractor_class": ClippedEntries, **keywords.pop("policy_kwargs", {})}
     return cls("MlpPolicy", env, policy_kwargs=kwargs, seed=3, device="cpu", **keywords)
 
 
@@ -46,11 +41,9 @@ def last_linear(model):
 
 KINDS = [
     (PPO, {}, "tanh", "clip", None),
-    (PPO, {"use_sde": True}, "tanh", "clip", None),
     (PPO, {"use_sde": True, "policy_kwargs": {"squash_output": True}}, "tanh", "tanh", None),
     (PPO, {"policy_kwargs": {"activation_fn": nn.ReLU, "net_arch": []}}, "tanh", "clip", None),
     (SAC, {}, "relu", "tanh", None),
-    (SAC, {"use_sde": True}, "relu", "tanh", 2.0),
     (SAC, {"use_sde": True, "policy_kwargs": {"clip_mean": 1.2}}, "relu", "tanh", 1.2),
     (TD3, {}, "relu", "tanh", None),
     (TD3, {"policy_kwargs": {"activation_fn": nn.Tanh}}, "tanh", "tanh", None),
@@ -80,10 +73,10 @@ def test_means_beyond_the_limits_are_handled_as_the_algorithm_does(cls, keywords
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
-        ({"activation_fn": nn.ELU}, "computes DriveFeatures, Linear, ELU, Linear, ELU, Linear; exported can be"),
+        ({"activation_fn": nn.ELU}, "computes ClippedEntries, Linear, ELU, Linear, ELU, Linear; exported can be"),
         (
-            {"features_extractor_class": FlattenExtractor, "features_extractor_kwargs": {}},
-            "computes FlattenExtractor, Linear.*exported can be .* layers on the features of agents.learning.features",
+            {"features_extractor_class": FlattenExtractor},
+            "computes FlattenExtractor, Linear.*exported can be .* layers on clipped entries",
         ),
     ],
 )

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-import torch
 from stable_baselines3.common.logger import Logger
 from training import last_model
 
-from agents.comparison.suites import SUITES
-from agents.learning import checkpoints, configurations, learn, runs
+from agents.comparison.evaluation import SUITES
+from agents.learning import learn, runs
 from solar_env.environment.registration import DEPLOY
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
@@ -15,7 +14,7 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_period(algo):
-    config = configurations.complete(algo, DEPLOY, {"model": "rigid-clearance"}, seed=0)
+    config = runs.complete(algo, DEPLOY, {"model": "rigid-clearance"}, seed=0)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
     observed = dict(zip(venv.get_attr("observation_names", 0)[0], np.eye(16, dtype=np.float32), strict=True))
@@ -35,14 +34,12 @@ def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_per
         ("sac", {"observation": "drive"}, {}, False),
         ("ars", {"observation": ["near", "far"]}, {}, False),
         ("ars", {"action": "torque"}, {}, False),
-        ("td3", {}, {"policy_kwargs": {"net_arch": [8]}}, False),
         ("sac", {}, {"policy_kwargs": {"net_arch": {"pi": [8], "qf": [8]}}}, False),
-        ("cma-es", {}, {"first_weights": None}, False),
     ],
 )
 def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none(algo, keywords, hyperparameters, fit):
     keywords = {"model": "rigid-clearance", **keywords}
-    config = configurations.complete(algo, DEPLOY, keywords, 0, 8, hyperparameters=hyperparameters)
+    config = runs.complete(algo, DEPLOY, keywords, 0, 8, hyperparameters=hyperparameters)
     assert ("first_weights" in config.hyperparameters) == fit
     venv = learn.make_training_env(config, threads=1)
     actions = learn.make_model(config, venv).predict(venv.reset(), deterministic=True)[0]
@@ -52,16 +49,10 @@ def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none
         assert not actions.any()
 
 
-def test_first_weights_that_are_asked_for_are_those_of_any_linear_policy():
-    asked = {"first_weights": [0.5]}
-    config = configurations.complete("ars", DEPLOY, {"observation": "drive"}, 0, 1, None, asked)
-    assert config.hyperparameters["first_weights"] == [0.5]
-
-
 def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():
     rollouts = {"n_steps": 50, "batch_size": 50, "learning_rate": 1e-3}
     quick = {"model": "rigid-ideal"}
-    config = configurations.complete("ppo", DEPLOY, quick, 0, 2, 400, rollouts)
+    config = runs.complete("ppo", DEPLOY, quick, 0, 2, 400, rollouts)
     model = learn.make_model(config, learn.make_training_env(config, threads=1))
     used = []
     update = model.train
@@ -71,7 +62,7 @@ def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_withou
 
 
 def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
-    config = configurations.complete("ars", DEPLOY, {"model": "rigid-ideal"}, 0, n_envs=1)
+    config = runs.complete("ars", DEPLOY, {"model": "rigid-ideal"}, 0, n_envs=1)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
     for left in (1.0, 0.5, 0.0):
@@ -79,26 +70,24 @@ def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
         assert model.lr_schedule(left) == config.hyperparameters["learning_rate"] * left
 
 
-@pytest.mark.parametrize("algo", ["sac", "td3"])
-def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(algo, tmp_path):
+def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_rate": 1e-3, "n_steps": 7}
     small |= {"train_freq": 20, "gradient_steps": 2}
-    config = configurations.complete(algo, DEPLOY, {}, 0, 1, 40, small)
+    config = runs.complete("sac", DEPLOY, {}, 0, 1, 40, small)
     learn.train(learn.Training(config, tmp_path, progress=False))
-    resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, threads=1))
+    resumed = last_model(tmp_path)
     assert (resumed.replay_buffer.n_steps, resumed.replay_buffer.gamma) == (7, config.hyperparameters["gamma"])
     assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
 
 
-@pytest.mark.parametrize("algo", ["sac", "td3"])
-def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_path):
+def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_starts": 0, "learning_rate": 1e-2}
     small |= {"train_freq": 100, "gradient_steps": 1, "actor_learning_rate": 1e-4}
-    small |= {"policy_delay": 1} if algo == "td3" else {}
+    small |= {"policy_delay": 1}
     made = DEPLOY, {"model": "rigid-ideal"}, 0, 1
-    config = configurations.complete(algo, *made, 200, small)
+    config = runs.complete("td3", *made, 200, small)
     learn.train(learn.Training(config, tmp_path, progress=False))
-    resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, threads=1))
+    resumed = last_model(tmp_path)
     networks = resumed.policy.actor.mu, resumed.policy.critic
     before = [[weights.clone() for weights in network.parameters()] for network in networks]
     resumed.lr_schedule = lambda left: 1e-2
@@ -112,26 +101,9 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
     assert 1e-3 < critic < 2e-2
 
 
-def test_one_rollout_trains_too(ppo_run):
-    config = runs.stored_configuration(ppo_run)
-    venv = learn.make_training_env(config, threads=1)
-    fresh = learn.make_model(config, venv)
-    trained = last_model(ppo_run)
-    assert not torch.equal(fresh.policy.action_net.weight, trained.policy.action_net.weight)
-
-
-def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
-    small = {"buffer_size": 100}
-    config = configurations.complete("td3", DEPLOY, {}, 0, n_envs=1, hyperparameters=small)
-    venv = learn.make_training_env(config, threads=1)
-    policy = learn.make_model(config, venv).policy
-    actor, target = (part.state_dict() for part in (policy.actor, policy.actor_target))
-    assert all(torch.equal(actor[name], target[name]) for name in actor)
-
-
 @pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
 def test_there_is_a_model_for_every_configuration_of_the_randomised_scenario(algo):
-    config = configurations.complete(algo, SUITES["robust"], {"model": "rigid-clearance"}, seed=0)
+    config = runs.complete(algo, SUITES["robust"], {"model": "rigid-clearance"}, seed=0)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
     assert np.isfinite(model.predict(venv.reset(), deterministic=True)[0]).all()

@@ -1,71 +1,37 @@
 """Training runs of a few hundred steps: the folder they leave, how they repeat themselves and how they resume."""
 
-import csv
 import io
 import json
 import pickle
 import re
+from dataclasses import asdict
 
 import numpy as np
 import pytest
-from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 from training import SMALL, last_model, run
 
-from agents.comparison.evaluation import common_env_kwargs, evaluate
-from agents.environments import DEFAULT_ENV_ID, INTERFACE, make_env
+from agents.comparison.evaluation import common_environment, evaluate
 from agents.learning import checkpoints, learn, runs
-from agents.learning.runs import DamagedFileError
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
-@pytest.mark.parametrize("model", ["rigid-ideal", "flexible-clearance:1 element"])
-def test_a_run_keeps_its_model_and_is_resumed_and_evaluated_on_them(tmp_path, model):
+def test_a_run_keeps_its_model_and_is_resumed_and_evaluated_on_it(tmp_path):
+    model = "flexible-clearance:1 element"
     quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "control_period=0.1"]
     quick += ["--n-envs", 1, "--algo", "ppo"]
     small = ["--timesteps", 20, "--hyperparams", "n_steps=10", "batch_size=10"]
     first = run("--model", model, *quick, *small, "--out", tmp_path / "first")
     config = runs.read_config(first)
-    assert config["env_kwargs"]["model"] == model
-    assert common_env_kwargs([str(first)])["model"] == model
+    assert config.env_kwargs["model"] == model
+    assert common_environment([str(first)])[1]["model"] == model
     second = run("--resume", first, "--timesteps", 10, "--out", tmp_path / "second")
-    assert runs.read_config(second)["env_kwargs"] == config["env_kwargs"]
+    assert runs.read_config(second).env_kwargs == config.env_kwargs
 
 
 SEARCH = ["--algo", "cma-es", "--env-kwargs", "control_period=0.5", "postlock_window=2.0", "--timesteps", 100]
 SEARCH += ["--n-envs", 2, "--hyperparams", "population=4"]
-
-
-@pytest.mark.filterwarnings("ignore::agents.laws.baselines.UntunedWarning")
-def test_a_search_begins_with_the_policy_of_another_run_on_other_panels(tmp_path):
-    first = run("--model", "rigid-ideal", *SEARCH, "--out", tmp_path / "first" / "seed-3", "--seed", 3)
-    begun = ["--model", "flexible-ideal", *SEARCH, "--start"]
-    second = run(*begun, first, "--out", tmp_path / "second")
-    weights = runs.read_config(second)["hyperparameters"]["first_weights"]
-    kept = runs.load_policy(first, make_env(DEFAULT_ENV_ID, runs.read_config(first)["env_kwargs"]))
-    assert len(weights) == 15
-    assert weights == kept.network.layers[-1].weights[0].tolist()
-    by_seed = run(*begun, tmp_path / "first", "--seeds", 3, "--out", tmp_path / "third")
-    assert runs.read_config(by_seed / "seed-3")["hyperparameters"]["first_weights"] == weights
-
-
-def test_training_begins_with_searches_alone_that_see_the_same(ppo_run, tmp_path):
-    drive = [f"{name}={value}" for name, value in runs.read_config(ppo_run)["env_kwargs"].items() if name in INTERFACE]
-    with pytest.raises(ValueError, match="is a run of ppo; training can begin with one of ars, cma-es"):
-        run("--algo", "cma-es", "--start", ppo_run, "--out", tmp_path / "run", "--env-kwargs", *drive)
-    with pytest.raises(ValueError, match="observation"):
-        run("--algo", "cma-es", "--start", ppo_run, "--out", tmp_path / "run")
-
-
-@pytest.mark.filterwarnings("ignore::agents.laws.baselines.UntunedWarning")
-def test_runs_of_several_seeds_take_the_interval_as_a_single_one_does(tmp_path, monkeypatch):
-    written, write = [], checkpoints.write
-    monkeypatch.setattr(checkpoints, "write", lambda *of: written.append(of) or write(*of))
-    longer = [400 if word == 100 else word for word in SEARCH]  # generations
-    words = ["--model", "rigid-ideal", *longer, "--out", tmp_path / "runs", "--seeds", 3, "--jobs", 1]
-    run(*words, "--checkpoint-interval", 20)
-    assert len(written) > 2, "more than at the beginning and at the end"
 
 
 def test_a_training_that_is_refused_leaves_no_folder(tmp_path):
@@ -76,7 +42,7 @@ def test_a_training_that_is_refused_leaves_no_folder(tmp_path):
 
 def policy_weights(folder):
     """Weights that a run has come to."""
-    weights = checkpoints.read(folder).model["parameters"]["policy"]
+    weights = checkpoints.read(folder)["parameters"]["policy"]
     return np.concatenate([values.numpy().ravel() for values in weights.values()])
 
 
@@ -92,25 +58,6 @@ def test_a_run_folder_holds_all_that_describes_the_run(ppo_run):
     assert list(metrics["controllers"]) == ["passive", "servo-untuned", "servo", "ppo"]
 
 
-def test_the_saved_policy_reproduces_the_evaluation_of_the_run(ppo_run):
-    with (ppo_run / "episodes.csv").open() as file:
-        written = [row for row in csv.DictReader(file) if row["controller"] == "ppo"]
-    again = evaluate([str(ppo_run)], episodes=2, seed=0, progress=False)
-    assert [float(row["return"]) for row in written] == [row["return"] for row in again]
-
-
-def test_the_log_has_reward_terms_and_physical_figures(ppo_run):
-    log = EventAccumulator(str(ppo_run / "tensorboard"))
-    log.Reload()
-    tags = set(log.Tags()["scalars"])
-    assert {"deployment/peak_postlock_force_N", "deployment/postlock_sliding_work_J"} <= tags
-    assert {"deployment/latch_times_s", "eval/mean_reward"} <= tags
-    terms = [f"episode/reward_{name}" for name in ("peak_impact", "wear", "missed_deadline")]
-    for event in zip(log.Scalars("episode/return"), *map(log.Scalars, terms), strict=True):
-        total, *parts = (point.value for point in event)
-        assert total == pytest.approx(sum(parts), rel=1e-5)
-
-
 def test_the_same_seed_trains_the_same_policy_and_another_seed_another(ppo_run, tmp_path):
     same = run("--timesteps", 600, "--out", tmp_path / "same", *SMALL["ppo"])
     other = run("--timesteps", 600, "--out", tmp_path / "other", "--seed", 1, *SMALL["ppo"])
@@ -118,60 +65,19 @@ def test_the_same_seed_trains_the_same_policy_and_another_seed_another(ppo_run, 
     assert not np.array_equal(policy_weights(ppo_run), policy_weights(other))
 
 
-def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(ppo_run, tmp_path):
-    arguments = ["--timesteps", 600, "--seeds", 0, 1, "--jobs", 2, "--out", tmp_path, *SMALL["ppo"]]
-    assert run(*arguments) == tmp_path
-    np.testing.assert_array_equal(policy_weights(tmp_path / "seed-0"), policy_weights(ppo_run))
-    assert not np.array_equal(policy_weights(tmp_path / "seed-1"), policy_weights(ppo_run))
-    metrics = json.loads((tmp_path / "metrics.json").read_text())
-    assert metrics["controllers"]["ppo"]["runs"] == 2
-    written = (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns
-    (tmp_path / "seed-0" / "timing.json").unlink()  # as if it had been interrupted
-    run(*arguments)
-    assert (tmp_path / "seed-0" / "timing.json").is_file()
-    assert (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns == written
-    (tmp_path / "seed-1" / "timing.json").unlink()
-    with pytest.raises(ValueError, match="seed-1 holds a run with another configuration"):
-        run("--timesteps", 600, "--seeds", 1, 0, "--out", tmp_path, *SMALL["ppo"], "learning_rate=0.5")
-    assert (tmp_path / "seed-1" / "policy.npz").is_file(), "what was interrupted is not removed before all is checked"
-
-
-def test_the_time_of_a_run_is_told_apart(ppo_run):
-    timing = json.loads((ppo_run / "timing.json").read_text())
-    parts = [timing[name] for name in ("stepping_s", "validation_s", "learning_s")]
-    assert min(parts) > 0.0
-    assert sum(parts) == pytest.approx(timing["wall_time_s"])
-
-
 def test_resuming_continues_step_count_normalisation_and_validation_history(ppo_run, tmp_path):
     resumed = run("--resume", ppo_run, "--timesteps", 600, "--out", tmp_path / "resumed")
     config = runs.read_config(resumed)
-    assert config["resumed_from"] == str(ppo_run)
-    assert config["timesteps_before"] == 600
-    assert config["hyperparameters"]["n_steps"] == 300
+    assert config.resumed_from == str(ppo_run)
+    assert config.timesteps_before == 600
+    assert config.hyperparameters["n_steps"] == 300
     assert last_model(resumed).num_timesteps == 1200
-    before, after = (checkpoints.read(of).layers[0]["statistics"]["count"] for of in (ppo_run, resumed))
+    before, after = (checkpoints.read(of)["layers"][0]["statistics"]["count"] for of in (ppo_run, resumed))
     assert after == pytest.approx(before + 600, rel=1e-3)
     old, new = (runs.read_evaluations(folder) for folder in (ppo_run, resumed))
     assert old["timesteps"].tolist() == new["timesteps"].tolist()[:2] == [0, 600]
     assert old["results"].shape == (2, learn.VALIDATION_EPISODES)
     assert new["timesteps"][-1] > 600
-
-
-@pytest.mark.parametrize("algo", ["sac", "td3"])
-def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
-    first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
-    second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
-    config = runs.stored_configuration(second)
-    model = checkpoints.read(second).restore(config, learn.make_training_env(config))
-    assert model.num_timesteps == 400
-    assert model.replay_buffer.size() == 400
-    buffer = model.replay_buffer
-    ends = np.logical_or(buffer.dones, buffer.timeouts)[: buffer.pos]
-    continues = np.all(
-        np.isclose(buffer.next_observations[: buffer.pos - 1], buffer.observations[1 : buffer.pos]), axis=2
-    )
-    assert np.all(continues | ends[:-1]), "no return reaches from one episode into another"
 
 
 @pytest.mark.parametrize(
@@ -187,13 +93,13 @@ def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
     ],
 )
 def test_a_value_of_another_kind_in_a_configuration_is_told(tmp_path, ppo_run, name, value, told):
-    stored = runs.read_config(ppo_run)
+    stored = asdict(runs.read_config(ppo_run))
     runs.write_json(tmp_path / runs.CONFIG, {**stored, name: value})
-    with pytest.raises(DamagedFileError, match=rf"config\.json: {told}.*, or train the run anew"):
+    with pytest.raises(ValueError, match=rf"config\.json: {told}.*, or train the run anew"):
         runs.read_config(tmp_path)
     del stored[name]
     runs.write_json(tmp_path / runs.CONFIG, stored)
-    with pytest.raises(DamagedFileError, match=rf"config\.json says nothing of {name}; train the run anew"):
+    with pytest.raises(ValueError, match=r"config\.json describes no training run: .*; train the run anew"):
         runs.read_config(tmp_path)
 
 
@@ -208,7 +114,7 @@ def copied(run_folder, folder):
 @pytest.mark.parametrize("changes", [{"algo": "sac"}, {"env_kwargs": {"model": "rigid-ideal"}}])
 def test_a_configuration_that_does_not_fit_the_checkpoint_is_not_gone_on_with(tmp_path, ppo_run, changes):
     copied(ppo_run, tmp_path)
-    runs.write_json(tmp_path / runs.CONFIG, {**runs.read_config(tmp_path), **changes})
+    runs.write_json(tmp_path / runs.CONFIG, {**asdict(runs.read_config(tmp_path)), **changes})
     with pytest.raises(ValueError, match=r"does not fit the config\.json beside it|refuses its hyperparameters"):
         run("--resume", tmp_path, "--timesteps", 600, "--out", tmp_path / "resumed")
     assert not (tmp_path / "resumed").exists()
@@ -236,10 +142,9 @@ def test_a_damaged_or_evil_file_of_a_run_is_named_in_one_sentence_and_executes_n
     (tmp_path / runs.CHECKPOINTS[1]).unlink()
     readers = {runs.CONFIG: runs.read_config, runs.EVALUATIONS: runs.read_evaluations}
     readers |= {of: lambda folder: evaluate([str(folder)], 1, 0) for of in runs.POLICY}
-    with pytest.raises(DamagedFileError) as refused:
+    with pytest.raises(ValueError, match=re.escape(str(tmp_path))) as refused:
         readers.get(name, checkpoints.read)(tmp_path)
     message = str(refused.value)
-    assert str(tmp_path) in message
     assert "\n" not in message
     assert re.search(r"; (train|resume|restore|start) ", message)
 

@@ -2,28 +2,14 @@
 
 import numpy as np
 
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env
-from agents.learning import configurations, learn, runs
+from agents.environments import DEFAULT_ENV_ID
+from agents.learning import learn, runs
 
 
 def configuration():
     """Steps so large that training makes the agent worse than it began."""
     spoiling = {"n_steps": 50, "batch_size": 50, "learning_rate": 1.0}
-    return configurations.complete("ppo", DEFAULT_ENV_ID, {"model": "rigid-ideal"}, 0, 1, 100, spoiling)
-
-
-def test_every_validation_has_the_validation_episodes_of_the_runs_seed():
-    config = configuration()
-    venv = learn.make_validation_env(config, threads=1)
-    env = make_env(config.env_id, config.env_kwargs)
-    for _ in range(2):
-        venv.reset()
-        designs = venv.get_attr("episode_parameters")
-        seeds = episode_seeds("validation", config.seed, learn.VALIDATION_EPISODES)
-        for seed, design in zip(seeds, designs, strict=True):
-            env.reset(seed=seed)
-            assert env.unwrapped.episode_parameters == design
-        venv.step(np.zeros((len(designs), 1), np.float32))
+    return runs.complete("ppo", DEFAULT_ENV_ID, {"model": "rigid-ideal"}, 0, 1, 100, spoiling)
 
 
 def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_that_goes_on(tmp_path, monkeypatch):
@@ -37,7 +23,7 @@ def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_tha
         assert history["timesteps"].tolist() == [0, 100]
     assert after < before
     assert runs.best_policy(first).description.training_steps == 0
-    learn.train(learn.Training(runs.stored_configuration(first), second, first, progress=False, threads=1))
+    learn.train(learn.Training(runs.read_config(first), second, first, progress=False, threads=1))
     for name in runs.POLICY:
         assert (second / name).read_bytes() == (first / name).read_bytes()
 

@@ -76,21 +76,6 @@ def test_attributes_and_methods_are_by_lane():
         native.get_attr("unheard_of")
 
 
-def test_options_are_by_lane_and_used_once():
-    native, dummy = both()
-    for venv in (native, dummy):
-        venv.set_options([{"parameters": {"clearance": 1e-4 * (1 + lane)}} for lane in range(LANES)])
-        venv.reset()
-    designs = native.get_attr("episode_parameters")
-    assert designs == dummy.get_attr("episode_parameters")
-    assert [design.clearance for design in designs] == [1e-4, 2e-4, pytest.approx(3e-4)]
-    native.reset()
-    assert native.get_attr("episode_parameters")[0].clearance != 1e-4
-    native.set_options({"colour": 1})
-    with pytest.raises(ValueError, match="colour"):
-        native.reset()
-
-
 def test_fixed_seeds_begin_the_same_episodes_at_every_reset():
     venv = FixedSeeds(NativeVecEnv(LANES, env_kwargs=KEYWORDS), 40)
     designs = []

@@ -10,7 +10,6 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnvWrapper
 
 from agents.environments import DEFAULT_ENV_ID
-from agents.learning import configurations
 from agents.learning.vec_env import FixedSeeds, NativeVecEnv
 from agents.learning.weight_search import CMAES, WeightSearch
 
@@ -65,12 +64,6 @@ def test_a_search_that_ends_before_its_next_choice_chooses_after_its_last_genera
     assert model.rounds == 1
 
 
-@each
-def test_the_same_seed_gives_the_same_weights(name):
-    one, other = (made(name, DummyVecEnv([OneByOne] * 4)).learn(300) for _ in range(2))
-    assert one.weights.tolist() == other.weights.tolist()
-
-
 class Recorded(VecEnvWrapper):
     """Keeps the actions and whether an episode has ended in each lane."""
 
@@ -110,8 +103,3 @@ def test_candidates_have_the_returns_of_their_policies_and_who_has_ended_is_kept
         single = FixedSeeds(NativeVecEnv(1, DEFAULT_ENV_ID, QUICK), 5 + lane)
         alone, _ = evaluate_policy(model, single, 1, warn=False)
         assert alone == pytest.approx(together[lane], rel=1e-5)
-
-
-def test_a_search_over_weights_sees_landings_and_sets_the_rate():
-    keywords = configurations.complete("cma-es", DEFAULT_ENV_ID, {}, 0).env_kwargs
-    assert (keywords["action"], keywords["observation"]) == ("rate", "landing")

@@ -1,5 +1,6 @@
 """The policies that come with the package: that they are whole, act alike in all their forms, and land softly."""
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import onnxruntime
 import pytest
 
 from agents.comparison.controllers import parse_controller
-from agents.comparison.suites import MODEL, SUITES
+from agents.comparison.evaluation import MODEL, SUITES
 from agents.environments import INTERFACE, episode_seeds, make_env, with_sampling
 from agents.policies import shipped
 from agents.policies.shipped import load_shipped
@@ -19,6 +20,7 @@ POLICIES = shipped.available()
 ON_FLEXIBLE_PANELS = [name for name in POLICIES if load_shipped(name).description.env_kwargs["model"] == MODEL["model"]]
 
 
+EACH = [pytest.param(name, marks=[pytest.mark.slow] * (name in ON_FLEXIBLE_PANELS)) for name in POLICIES]
 EPISODES = 32
 
 
@@ -47,17 +49,17 @@ def deploy(name, controller, episode=0, model=None):
 
 @pytest.fixture(scope="module")
 def deployments():
-    """Policy -> the deployment under the policy, and the passive one."""
-    return {name: (deploy(name, name), deploy(name, "passive")) for name in POLICIES}
+    """Make the deployment under a policy, and the passive one."""
+    return cache(lambda name: (deploy(name, name), deploy(name, "passive")))
 
 
 def test_every_suite_has_a_policy_that_was_trained_on_its_scenario():
     assert {load_shipped(name).description.env_id for name in POLICIES} == set(SUITES.values())
 
 
-@pytest.mark.parametrize("name", POLICIES)
+@pytest.mark.parametrize("name", EACH)
 def test_onnx_acts_as_the_network_in_a_deployment(name, deployments):
-    observed = deployments[name][0].observed
+    observed = deployments(name)[0].observed
     session = onnxruntime.InferenceSession(shipped.SHIPPED / name / shipped.ONNX)
     actions = session.run(["action"], {"observation": observed})[0]
     expected = load_shipped(name).network.predict(observed)[0]
@@ -65,9 +67,9 @@ def test_onnx_acts_as_the_network_in_a_deployment(name, deployments):
     np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", POLICIES)
+@pytest.mark.parametrize("name", EACH)
 def test_a_policy_latches_in_time_with_a_tenth_of_the_passive_deployments_force_and_wear(name, deployments):
-    soft, passive = deployments[name]
+    soft, passive = deployments(name)
     assert soft.figures["latched"]
     assert soft.figures["latch_times_s"] < load_shipped(name).description.deadline
     assert soft.figures["peak_postlock_force_N"] < 0.1 * passive.figures["peak_postlock_force_N"]
@@ -75,10 +77,11 @@ def test_a_policy_latches_in_time_with_a_tenth_of_the_passive_deployments_force_
     assert soft.wear < 0.1 * passive.wear  # over the whole deployment, most of it before the latches
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ON_FLEXIBLE_PANELS)
 def test_the_energy_book_of_a_soft_landing_closes_to_a_share_of_what_slides(name, deployments):
     """And not only to one of the energy put in, of which sliding takes a fiftieth."""
-    figures = deployments[name][0].figures
+    figures = deployments(name)[0].figures
     assert abs(figures["energy_residual_J"]) < 5e-3 * figures["sliding_work_J"]
 
 

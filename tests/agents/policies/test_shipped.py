@@ -9,7 +9,6 @@ import pytest
 from trained import QUICK, TRAINED, random_observations
 
 from agents.environments import make_env
-from agents.learning.features import LIMIT, observation_features
 from agents.policies import onnx_form, shipped
 from agents.policies.shipped import Layer, PolicyNetwork, load_shipped
 
@@ -33,19 +32,10 @@ def spoil_arrays(folder, **changes):
     np.savez(folder / shipped.ARRAYS, **{**arrays, **changes})
 
 
-def test_the_first_layer_and_its_limit_are_the_features_of_the_observation(finished):
-    policy = load_shipped(finished["ppo"][1])
-    features = observation_features(policy.description.observation_names)
-    for array, expected in zip(policy.network.layers[0], features, strict=True):
-        np.testing.assert_array_equal(array, expected)
-    assert policy.network.feature_limit == policy.description.feature_limit == LIMIT
-
-
-def test_features_are_clipped_and_not_activated():
-    features = Layer(np.array([[3.0, 0.0]]), np.zeros(1))
-    output = Layer(np.full((1, 1), 0.5, np.float32), np.zeros(1, np.float32))
-    network = PolicyNetwork((features, output), feature_limit=1.5, activation="relu", output="clip")
-    observations = np.array([[-2.0, 1.0], [-0.2, 1.0], [0.2, 1.0], [2.0, 0.0]], dtype=np.float32)
+def test_observations_are_clipped_and_not_activated():
+    output = Layer(np.array([[0.5, 0.0]], np.float32), np.zeros(1, np.float32))
+    network = PolicyNetwork((output,), observation_limit=1.5, activation="relu", output="clip")
+    observations = np.array([[-2.0, 1.0], [-0.6, 1.0], [0.6, 1.0], [2.0, 0.0]], dtype=np.float32)
     expected = np.array([[-0.75], [-0.3], [0.3], [0.75]])
     np.testing.assert_allclose(network.predict(observations)[0], expected, atol=1e-6)
     session = onnxruntime.InferenceSession(onnx_form.onnx_model(network).SerializeToString())
@@ -83,12 +73,14 @@ def test_pickled_content_is_refused_and_not_run(own):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"weights_2": np.zeros((64, 9), np.float32)}, r"layer 2: weights have shape \(64, 9\), but layer 1 has 11"),
-        ({"biases_3": np.zeros(63, np.float32)}, r"layer 3: biases have shape \(63,\), but weights have .*\(64, 64\)"),
-        ({"weights_1": np.zeros((11, 8))}, r"the layers map 8 inputs to 1 outputs; expected 9 inputs.*theta"),
-        ({"weights_1": np.zeros((11, 9), np.float32)}, "layer 1: weights are of type float32; expected float64"),
-        ({"biases_1": np.full(11, np.nan)}, "layer 1: biases hold nan"),
-        ({"biases_4": np.zeros((1, 1), np.float32)}, r"layer 4: biases have shape \(1, 1\); expected 1 dimension"),
+        ({"weights_2": np.zeros((64, 9), np.float32)}, "layer 2 takes 9 inputs, but the one before has 64"),
+        ({"biases_2": np.zeros(63, np.float32)}, r"layer 2: biases \(63,\) do not fit weights \(64, 64\)"),
+        (
+            {"weights_1": np.zeros((64, 8), np.float32)},
+            r"the layers map 8 inputs to 1 outputs; expected 9 inputs.*theta",
+        ),
+        ({"weights_1": np.zeros((64, 9))}, "layer 1 is of type float64 and float32; expected float32"),
+        ({"biases_1": np.full(64, np.nan, np.float32)}, "layer 1 holds numbers that are not finite"),
         ({"weights_9": np.zeros((1, 1), np.float32)}, r"policy\.npz holds \['biases_1', .*expected weights_1"),
     ],
 )
@@ -101,10 +93,10 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"format": 1}, r"policy\.json has format 1; this version reads format 4"),
+        ({"format": 1}, r"policy\.json has format 1; this version reads format 5"),
         ({"colour": "red"}, r"policy\.json has the keys .*'colour'.*; expected"),
         ({"activation": "elu"}, "activation is 'elu'; choose from relu, tanh"),
-        ({"feature_limit": "two"}, "feature_limit is 'two'; give a finite number"),
+        ({"observation_limit": "two"}, "observation_limit is 'two'; give a finite number"),
         ({"env_id": "stranger.module:Env-v0"}, "env_id is 'stranger.module:Env-v0'; give .* that names no module"),
         ({"observation_names": 3}, "observation_names is 3; give a list of names"),
         ({"env_kwargs": []}, r"env_kwargs is \[\]; give a mapping"),
@@ -123,7 +115,7 @@ def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monke
     monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
     with pytest.raises(
         FileNotFoundError,
-        match=r"no shipped policy 'nobody'.*available: cma-es, linear, linear-sac, linear-td3, ppo, sac, td3",
+        match=r"no shipped policy 'nobody'.*available: cma-es, linear, ppo, sac, td3",
     ):
         load_shipped("nobody")
     assert load_shipped("td3").description.algorithm == "td3"
@@ -143,17 +135,16 @@ def test_observations_and_environments_of_another_kind_are_refused(finished):
             policy.check(env)
 
 
-FEATURES = Layer(np.zeros((3, 2)), np.zeros(3))
 OUTPUT = Layer(np.zeros((1, 3), np.float32), np.zeros(1, np.float32))
 
 
 @pytest.mark.parametrize(
     ("layers", "limit", "message"),
     [
-        ((), 2.0, "there are 0 layers; a policy network needs features and an output"),
-        ((Layer(np.zeros((0, 2)), np.zeros(0)), OUTPUT), 2.0, r"layer 1: weights have shape \(0, 2\)"),
-        ((FEATURES, OUTPUT), -2.0, "feature_limit is -2.0; give a positive finite number"),
-        ((FEATURES, OUTPUT), np.nan, "feature_limit is nan; give a positive finite number"),
+        ((), 2.0, "there are no layers; a policy network needs an output"),
+        ((Layer(np.zeros((0, 2), np.float32), np.zeros(0, np.float32)), OUTPUT), 2.0, "layer 1: biases .* do not fit"),
+        ((OUTPUT,), -2.0, "observation_limit is -2.0; give a positive finite number"),
+        ((OUTPUT,), np.nan, "observation_limit is nan; give a positive finite number"),
     ],
 )
 def test_empty_networks_and_limits_that_are_none_are_refused(layers, limit, message):

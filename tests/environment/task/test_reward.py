@@ -49,9 +49,8 @@ def wide_set():
     generator = np.random.default_rng(0)
     laws = [constant(action) for action in (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0)]
     laws += [erratic(seed) for seed in range(3)]
-    for name, law in TUNABLE.items():
-        if name == "soft-start":  # An open-loop torque and then a servo: both are there already.
-            continue
+    laws += [constant(action) for action in generator.uniform(-0.2, 0.0, 8)]  # brakes
+    for law in TUNABLE.values():
         parameters = type(law.defaults)
         for _ in range(8):
             controller = law(signals, parameters.from_unit(generator.random(len(parameters.bounds()))))

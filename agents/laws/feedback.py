@@ -1,10 +1,41 @@
-"""A proportional-derivative controller of the driven joint."""
+"""The simplest controllers: no torque, a damper, and a spring and damper of the driven joint."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded, lock_angle
+from agents.torque_laws import Entries, LawParameters, TorqueLaw, TunableLaw, bounded, lock_angle
+
+
+class Passive(TorqueLaw):
+    """Zero torque: the springs deploy the array alone."""
+
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
+        return np.zeros(len(all_latched))
+
+
+@dataclass(frozen=True)
+class DamperParameters(LawParameters):
+    """Parameters of `ViscousDamper`.
+
+    Attributes:
+        damping: Torque per rate of the driven joint until the last joint has latched [N m s/rad].
+        postlock_damping: Torque per rate of the driven joint from then on [N m s/rad].
+    """
+
+    damping: float = bounded(1.0, 0.0, 6.0)
+    postlock_damping: float = bounded(1.0, 0.0, 10.0)
+
+
+class ViscousDamper(TunableLaw[DamperParameters]):
+    """A torque against the rate of the driven joint, as the rotary dampers of spring-driven hinges exert it."""
+
+    reads = ("rate_driven",)
+    defaults = DamperParameters()
+
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
+        p = self.parameters
+        return -np.where(all_latched, p.postlock_damping, p.damping) * entries["rate_driven"]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from solar_env.verification.arrays import conservation, flexible, impacts, latch
 from solar_env.verification.beams import dynamics, elements, statics, vibration
 from solar_env.verification.checks import Check, Row
 from solar_env.verification.impacts import impact, sliding, stops
-from solar_env.verification.linkages import chains, clearance_linkages, closed_loops, pendulum
+from solar_env.verification.linkages import four_bar, pendulum
 from solar_env.verification.panels import dynamics as turning
 from solar_env.verification.panels import method, modes, responses, struck
 from solar_env.verification.panels import statics as bent
@@ -22,13 +22,9 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "wear": sliding.archard_wear,
     "pendulum": pendulum.pendulum_motion,
     "integration-order": pendulum.generalized_alpha_order,
-    "multiplier-transients": pendulum.multiplier_transients,
-    "double-pendulum": chains.double_pendulum_motion,
     "rigid-array": latching.rigid_array_motion,
-    "slider-crank": closed_loops.slider_crank_cycle,
-    "four-bar": closed_loops.four_bar_cycle,
-    "slider-crank-clearance": clearance_linkages.slider_crank_clearance,
-    "four-bar-clearance": clearance_linkages.four_bar_clearance,
+    "four-bar": four_bar.four_bar_cycle,
+    "four-bar-clearance": four_bar.four_bar_clearance,
     "slack-cable": stops.slack_cable,
     "undamped-stop": stops.undamped_stop,
     "damped-latch": stops.damped_latch,

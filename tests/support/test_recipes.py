@@ -29,25 +29,6 @@ assert run.contact_starts[0] == 1
 assert abs(-run.velocities[-1, 0] / 0.05 - contact.exit_speed_ratio()) < 3e-4
 assert abs(contact.exit_speed_ratio() - 0.7) < 0.03
 """,
-    "Friction law": """
-import math
-from solar_env.array import ArrayParameters
-from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.mechanism.description import Bearing
-from solar_env.mechanics.mechanism.textbook import loaded_journal
-from solar_env.mechanics.running.simulation import Simulation
-law = ArrayParameters(friction_law="tanh", friction_speed_full=2e-3).bearing(0).friction
-assert law.speed == 2e-3
-# A journal turned at a constant rate slides in the place where its load balances friction.
-slip, time, coefficient = 1e-3, 1e-3, 0.2
-lean = math.atan(coefficient * math.tanh(slip / law.speed))
-bearing = Bearing(2e-4, 0.01, PowerLaw(1e9), friction_coefficient=coefficient, friction=law)
-simulation = Simulation(loaded_journal(bearing, 10.0, lean, rate=slip / 0.01))
-simulation.advance(time)
-work = m.joint_integrals(simulation.state.integrals)[0, m.FRICTION_DISSIPATION]
-assert abs(work / (10.0 * math.sin(lean) * slip * time) - 1.0) < 1e-3
-""",
     "Integrator": """
 import solar_env
 from solar_env.array.methods import make_integrator
@@ -115,8 +96,7 @@ assert main(["presets"]) == 0
 }
 # What picks the new rows from the tests that run over the tables, and the least number of tests that they bring.
 ROWS = {
-    "mechanics/joints/test_contact_laws.py": ("hu-guo and not block and not deep", 13),
-    "mechanics/joints/test_friction_laws.py": ("TanhCoulomb", 3),
+    "mechanics/joints/test_contact_laws.py": ("hu-guo and not block and not deep", 10),
     "mechanics/integrators/test_method_table.py": ("heun and order", 1),
     "mechanics/bodies/test_kinds.py": ("Lever and (energy or matrix or starts or rates)", 5),
     "environment/task/test_observations.py": ("postlatch_force and not checker", 5),

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS, contact_law
+from solar_env.mechanics.joints.laws import CONTACT_LAWS, contact_law
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.diagnosis import LARGEST_RESTITUTION_ERROR
 from solar_env.mechanics.running.simulation import simulate

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, steps_per_impact
-from solar_env.mechanics.joints.contact import lankarani_nikravesh
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw, lankarani_damping
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.simulation import simulate
@@ -24,7 +23,7 @@ BOUNCES = 12
 TOLERANCE = 0.01  # of the exit speed of every bounce
 HERTZ, DAMPED = "Hertz (conserves energy)", "Lankarani-Nikravesh, Ce = 0.9"
 _UNDAMPED = PowerLaw(7.39e10)
-_LAWS = {HERTZ: _UNDAMPED, DAMPED: replace(_UNDAMPED, damping=lankarani_nikravesh.damping(0.9))}
+_LAWS = {HERTZ: _UNDAMPED, DAMPED: replace(_UNDAMPED, damping=lankarani_damping(0.9))}
 
 
 @lru_cache(maxsize=1)

@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.analysis.linearization import linearize, natural_frequencies
-from solar_env.mechanics.analysis.statics import static_equilibrium
+from solar_env.mechanics.analysis.linearization import linearize, natural_frequencies, static_equilibrium
 from solar_env.mechanics.arrays.model import ELASTIC, KINETIC, MATERIAL_DISSIPATION
 from solar_env.mechanics.bodies.cable_element.tangent import add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.equations.system import applied_forces, make_workspace

@@ -7,11 +7,7 @@ from itertools import product
 import numpy as np
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, RungeKutta
-from solar_env.mechanics.joints.contact import lankarani_nikravesh
-from solar_env.mechanics.joints.contact.hertz import sphere
-from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS, contact_law
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.joints.contact.surfaces import Surfaces
+from solar_env.mechanics.joints.laws import CONTACT_LAWS, PowerLaw, Surfaces, contact_law, lankarani_damping, sphere
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.simulation import Simulation, simulate
@@ -23,7 +19,7 @@ GOLDSMITH = "W. Goldsmith, Impact, Arnold 1960; hand calculation to three digits
 MASS = 6.0  # kg
 # Spheres; a steel journal in a brass bearing.
 UNDAMPED = PowerLaw(7.39e10)
-DAMPED = replace(UNDAMPED, damping=lankarani_nikravesh.damping(0.9))
+DAMPED = replace(UNDAMPED, damping=lankarani_damping(0.9))
 SURFACES = Surfaces(0.0102, 0.0100, 1.0, 105e9, 0.34, 207e9, 0.3)
 CLEARANCE = 2e-4  # m
 # Slower, the constraint forces of a free block are rounding, of which generalized-alpha warns.
@@ -91,7 +87,7 @@ def single_impact() -> Iterator[Check]:
         )
         tolerance = IMPACT_ERROR[integrator.name]
         yield from compare(figures, f"Hertz, {{}}, {integrator.name}", tolerance, HERTZ, relative=True)
-        damped = replace(UNDAMPED, damping=lankarani_nikravesh.damping(0.5))
+        damped = replace(UNDAMPED, damping=lankarani_damping(0.5))
         obtained = _one_impact(damped, speed, integrator).penetration.max()
         quantity = f"Lankarani-Nikravesh, Ce = 0.5, greatest depth [m], {integrator.name}"
         yield Check(quantity, greatest_depth(MASS, damped, speed), obtained, tolerance, SEPARABLE, relative=True)

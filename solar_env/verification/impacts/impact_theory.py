@@ -10,7 +10,7 @@ from dataclasses import replace
 from scipy.optimize import brentq
 from scipy.special import beta
 
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 
 
 def restitution(d: float) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
 from solar_env.mechanics.mechanism.description import Bearing, Body, Joint, Mechanism
 from solar_env.verification.checks import Check

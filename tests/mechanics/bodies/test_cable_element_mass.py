@@ -30,7 +30,7 @@ from solar_env.mechanics.bodies.cable_element.element import (
 )
 from solar_env.mechanics.bodies.markers import direction, place
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.mechanism.description import GROUND, Drive, Guide, Joint, Load, Mechanism, Point
+from solar_env.mechanics.mechanism.description import GROUND, Drive, Joint, Load, Mechanism, Point
 
 
 def hermite(elements: int, length: float, points: int) -> tuple[Vector, Vector, np.ndarray]:
@@ -158,12 +158,11 @@ OFF_NODE: dict[str, Point] = {
 
 
 @pytest.mark.parametrize("place", OFF_NODE.values(), ids=OFF_NODE.keys())
-@pytest.mark.parametrize("part", ["bearing", "journal", "guide", "drive", "load"])
+@pytest.mark.parametrize("part", ["bearing", "journal", "drive", "load"])
 def test_an_attachment_off_the_nodes_is_refused_with_the_nodes(part: str, place: Point) -> None:
     attached: dict[str, Any] = {
         "bearing": {"joints": (Joint("pin", "beam", "rigid", place, (0.0, 0.0)),)},
         "journal": {"joints": (Joint("pin", GROUND, "beam", (0.0, 0.0), place),)},
-        "guide": {"guides": (Guide("beam", place, (0.0, 1.0)),)},
         "drive": {"drives": (Drive("beam", 0.0, 1.0, point=place),)},
         "load": {"loads": (Load("beam", place, (1.0, 0.0)),)},
     }[part]

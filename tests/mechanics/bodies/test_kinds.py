@@ -22,9 +22,8 @@ from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import accelerations, applied_forces
 from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_scratch
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
-from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Guide, Joint, Load, Mechanism, Spring
+from solar_env.mechanics.joints.laws import PowerLaw
+from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Joint, Load, Mechanism, Spring
 from solar_env.mechanics.numerics.profile import dense, make_profile_matrix
 from solar_env.mechanics.running.simulation import Simulation, simulate
 
@@ -190,7 +189,7 @@ def test_internal_forces_change_neither_momentum_nor_spin(kind: Any) -> None:
 def coupled(kind: Any) -> Forces:
     """The example's tip pressed against the bearing of another body, with a spring and loads."""
     body = example(kind)
-    bearing = replace(ROUND_BEARING, contact=PowerLaw(50.0, damping=0.05), friction=RampedCoulomb(0.0, 50.0))
+    bearing = replace(ROUND_BEARING, contact=PowerLaw(50.0, damping=0.05), friction_speeds=(0.0, 50.0))
     tip = np.array(POSITION) + turned((body.length, 0.0), ANGLE)
     inboard = tuple((tip - np.array([0.09, 0.08])).tolist())
     joint = Joint("pin", "first", "example", inboard, (body.length, 0.0), bearing=bearing, spring=Spring(1.3, 0.7))
@@ -253,7 +252,6 @@ def test_every_method_moves_a_body_that_bounces_in_a_bearing(kind: Any, integrat
     "parts",
     [
         {"joints": (Joint("pin", GROUND, "example", (0.0, 0.0), (0.0, 0.0)),)},
-        {"guides": (Guide("example", (0.0, 0.0), (0.0, 1.0)),)},
         {"drives": (Drive("example", ANGLE, 0.0),)},
     ],
     ids=lambda parts: next(iter(parts)),

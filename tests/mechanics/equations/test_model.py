@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import fields, replace
 
 import numba
@@ -16,9 +17,9 @@ from solar_env.mechanics.arrays.lanes import copied
 from solar_env.mechanics.bodies.kinds import body_type
 from solar_env.mechanics.bodies.markers import marker_type
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
+from solar_env.mechanics.joints.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import Body, Mechanism
-from solar_env.mechanics.running.errors import _CAUSES, SimulationError, raise_for_status
+from solar_env.mechanics.running.errors import _CAUSES, failure
 
 
 def example() -> Mechanism:
@@ -94,12 +95,11 @@ def test_a_bearing_arrives_in_its_joint_row_unchanged() -> None:
     model, _ = compile_mechanism(example())
     row = model.joints[0]
     for item in fields(ROUND_BEARING):
-        if item.name not in ("contact", "friction", "sliding"):
+        if item.name not in ("contact", "friction_speeds", "sliding"):
             name = {"width": "bearing_width"}.get(item.name, item.name)
             assert row[name] == getattr(ROUND_BEARING, item.name), item.name
-    for kind, law in (("contact", ROUND_BEARING.contact), ("friction", ROUND_BEARING.friction)):
-        parameters = law.parameters()
-        assert (row[f"{kind}_law"], *row[kind]) == (law.code, *parameters, *(4 - len(parameters)) * [0.0])
+    assert tuple(row["contact"]) == ROUND_BEARING.contact.parameters()
+    assert (row["friction_speed_zero"], row["friction_speed_full"]) == ROUND_BEARING.friction_speeds
     assert SLIDING_READINGS[row["sliding"]] == ROUND_BEARING.sliding
 
 
@@ -134,22 +134,21 @@ FAILURES = [
 ]
 
 
+def clock_of(joint: int, value: float) -> np.void:
+    clock = np.zeros(1, m.clock_type)
+    clock["time"], clock["failure_joint"], clock["failure_value"] = 1.5, joint, value
+    return clock[0]
+
+
 def test_every_failure_names_its_time_a_remedy_and_a_reason_of_its_own() -> None:
     codes = [m.DONE, m.PAUSED, *FAILURES]
     assert sorted(codes) == list(range(len(codes)))
     assert set(_CAUSES) == set(FAILURES)
-    reasons = set()
-    for status in FAILURES:
-        with pytest.raises(SimulationError, match=r"at t = 1\.5 s .*(; |, or )") as caught:
-            raise_for_status(status, 1.5, 1, math.pi)
-        assert caught.value.time == 1.5
-        assert caught.value.reason.isidentifier()
-        reasons.add(caught.value.reason)
-    assert len(reasons) == len(FAILURES)
-
-
-def test_failures_of_a_joint_count_joints_from_one_and_give_the_value() -> None:
-    with pytest.raises(SimulationError, match=r"joint 2 .*3\.142 rad"):
-        raise_for_status(m.JOINT_ANGLE_RANGE, 0.0, 1, math.pi)
-    with pytest.raises(SimulationError, match=r"joint 1 sank 0\.02 m"):
-        raise_for_status(m.CONTACT_TOO_DEEP, 0.0, 0, 0.02)
+    errors = [failure(status, clock_of(1, math.pi)) for status in FAILURES]
+    for error in errors:
+        assert re.match(r"at t = 1\.5 s .*(; |, or )", str(error))
+        assert error.time == 1.5
+        assert error.reason.isidentifier()
+    assert len({error.reason for error in errors}) == len(FAILURES)
+    # Joints count from one.
+    assert "joint 2 reached 3.142 rad" in str(errors[FAILURES.index(m.JOINT_ANGLE_RANGE)])

@@ -11,8 +11,8 @@ from helpers import attempt, single_steps
 from mechanisms import block, pendulum, towards_walls
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta, alpha_coefficients
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.joint import penetration
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing, Mechanism
 from solar_env.mechanics.running.simulation import Simulation
 

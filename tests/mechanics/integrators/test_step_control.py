@@ -16,7 +16,7 @@ from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.methods.runge_kutta import make_runge_kutta_arrays, take_stages
 from solar_env.mechanics.integrators.methods.stages import cubic_weights, quintic_weights, refresh
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Mechanism, Stop
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation, simulate

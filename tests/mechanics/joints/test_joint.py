@@ -13,9 +13,9 @@ from mechanisms import ROUND_BEARING, ROUND_STOP, Vector, block, chain
 
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
+from solar_env.mechanics.joints.contact import contact_motion
 from solar_env.mechanics.joints.joint import penetration
-from solar_env.mechanics.joints.sliding import contact_motion
+from solar_env.mechanics.joints.laws import SLIDING_READINGS
 from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque, summed_torque
 from solar_env.mechanics.mechanism.description import CableLoop
 

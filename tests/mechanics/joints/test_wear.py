@@ -9,7 +9,7 @@ import pytest
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Drive, Joint, Mechanism
 from solar_env.mechanics.running.simulation import simulate

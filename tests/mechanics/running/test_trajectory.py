@@ -15,7 +15,7 @@ from solar_env.array.deployment import simulate as simulate_deployment
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.columns import TORQUES
 from solar_env.mechanics.arrays.model import ENERGY_NAMES
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 
@@ -37,7 +37,6 @@ COUNTED = (
     "stability_bound_steps",
     "slow_contacts",
     "creeping_share",
-    "cut_off_share",
     "wall_time_s",
 )
 
@@ -112,31 +111,8 @@ def test_the_share_of_steps_that_stability_bounds_grows_with_the_elements() -> N
         simulate_deployment(model=f"flexible-ideal:{elements} elements", duration=0.2, integrator=integrator)
         for elements in (1, 6)
     )
-    assert 0.0 < one.stability_bound_share < 0.1 < six.stability_bound_share <= 1.0
-    assert six.stability_bound_share == six.summary()["stability_bound_steps"] / six.summary()["steps"]
-
-
-def test_a_looser_tolerance_leaves_the_steps_that_stability_bounds_as_they_are() -> None:
-    tight, loose = (
-        simulate_deployment(model="flexible-ideal:6 elements", duration=0.2, integrator=RungeKutta(rtol=rtol))
-        for rtol in (1e-5, 1e-3)
-    )
-    assert min(tight.stability_bound_share, loose.stability_bound_share) > 0.95
-    assert loose.metadata["steps"] == pytest.approx(tight.metadata["steps"], rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("model", "integrator"),
-    [
-        ("rigid-ideal", RungeKutta(rtol=1e-2)),
-        ("rigid-clearance", RungeKutta(rtol=1e-2)),
-        ("rigid-clearance", GeneralizedAlpha(step=2e-5)),
-        ("flexible-ideal:1 element", GeneralizedAlpha()),
-    ],
-)
-def test_stability_bounds_no_step_of_rigid_bodies_nor_of_generalized_alpha(model: str, integrator: Integrator) -> None:
-    run = simulate_deployment(model=model, duration=0.1, integrator=integrator)
-    assert run.stability_bound_share == 0.0
+    shares = [run.summary()["stability_bound_steps"] / run.summary()["steps"] for run in (one, six)]
+    assert 0.0 < shares[0] < 0.1 < shares[1] <= 1.0
 
 
 def test_angles_go_on_through_full_turns() -> None:

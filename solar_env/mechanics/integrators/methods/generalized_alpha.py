@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import Model, State
-from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
+from solar_env.mechanics.arrays.trial import joint_motion_type, trial_type
 from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import (
     Workspace,
@@ -32,7 +32,7 @@ from solar_env.mechanics.integrators.methods.alpha_step import (
 )
 from solar_env.mechanics.integrators.methods.stage_steps import fill_rows, measure_depths, take_loads
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coefficients
-from solar_env.mechanics.joints.contact.normal_force import impact_scales
+from solar_env.mechanics.joints.contact import impact_scales
 from solar_env.mechanics.joints.joint import penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, greater
@@ -56,8 +56,10 @@ class AlphaArrays(NamedTuple):
 
 def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
     """Allocate the arrays for a mechanism."""
-    work, motion = make_workspace(model, state), make_joint_motions(state.joints.size)
-    return AlphaArrays(make_trial(), motion, work, make_workspace(model, state), make_iteration(model, state, work))
+    work, motion = make_workspace(model, state), np.zeros(state.joints.size, joint_motion_type)
+    return AlphaArrays(
+        np.zeros(1, trial_type), motion, work, make_workspace(model, state), make_iteration(model, state, work)
+    )
 
 
 def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import TORQUES
 from solar_env.mechanics.arrays.model import Model, State
-from solar_env.mechanics.equations.system import inlined_accelerations, make_workspace
+from solar_env.mechanics.equations.system import accelerations, make_workspace
 from solar_env.mechanics.integrators.methods.stage_steps import begin_stages
 from solar_env.mechanics.integrators.methods.stages import StageArrays, StageSettings, make_stage_arrays, refresh
 from solar_env.mechanics.integrators.methods.stiff_forces import begin_step, correct_stage, may_be_stiff, product
@@ -181,9 +181,7 @@ def take_stages(model, state, arrays, h):
                     + c3 * acceleration[3, i]
                 )
             copy_into(velocity[s], v)
-            if not inlined_accelerations(
-                model, joint_states, q, v, time + _NODES[s] * h, work, acceleration[s], multipliers
-            ):
+            if not accelerations(model, joint_states, q, v, time + _NODES[s] * h, work, acceleration[s], multipliers):
                 return False
             copy_into(stage_power[s], power)
         if stiff.active[0] > 0 and s < STAGES - 1:

@@ -41,6 +41,7 @@ for each in (fine, simulation):
 assert 1e-12 < abs(simulation.state.q - fine.state.q).max() < 1e-5
 """,
     "Body kind": """
+import math
 from solar_env.mechanics.bodies.description import LeverBody
 from solar_env.mechanics.mechanism.description import Body, Mechanism
 ends = []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -11,17 +10,12 @@ import pytest
 from cable_beams import (
     BEAM,
     RIGID,
-    deformed,
-    elastic_forces,
-    internal_force,
     mass_matrix,
     quarter_turns,
     straight,
-    tangent,
     translation,
 )
 from mechanisms import Vector, turned
-from scipy.linalg import eigh
 
 from solar_env.mechanics.bodies.cable_element.element import (
     add_mass_product,
@@ -51,7 +45,7 @@ def hermite(elements: int, length: float, points: int) -> tuple[Vector, Vector, 
     return np.concatenate(arcs), np.concatenate(quadrature), shapes
 
 
-@pytest.mark.parametrize("elements", range(1, 13))
+@pytest.mark.parametrize("elements", [1, 2, 5, 12])
 def test_the_mass_matrix_is_the_quadrature_of_the_shape_functions(elements: int) -> None:
     scene = straight(replace(BEAM, elements=elements))
     # Products of cubics: four Gauss points are exact.
@@ -82,7 +76,7 @@ def test_a_beam_that_moves_rigidly_has_the_momenta_and_energy_of_a_rod() -> None
     assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == pytest.approx(energy, rel=1e-13)
 
 
-@pytest.mark.parametrize("elements", range(1, 13))
+@pytest.mark.parametrize("elements", [1, 2, 5, 12])
 def test_solving_the_mass_matrix_inverts_its_product(elements: int) -> None:
     scene = straight(replace(BEAM, elements=elements))
     rng = np.random.default_rng(elements)
@@ -94,47 +88,6 @@ def test_solving_the_mass_matrix_inverts_its_product(elements: int) -> None:
     assert solved[scene.own] == pytest.approx(a[scene.own], abs=rounding)
     # Other bodies' coordinates are left alone.
     assert np.all(solved[: scene.beam.offset] == 7.0)
-
-
-def test_products_are_added_to_what_is_there() -> None:
-    scene = deformed(0)
-    out, force = np.ones_like(scene.q), np.ones_like(scene.q)
-    add_mass_product(scene.beam, scene.model.body_constants, scene.v, out)
-    assert out[scene.own] == pytest.approx(1.0 + mass_matrix(scene) @ scene.v[scene.own], rel=1e-13)
-    elastic_forces(scene.model, scene.q, scene.v, force)
-    assert force[scene.own] == pytest.approx(1.0 + internal_force(scene), rel=1e-13)
-
-
-# Roots of cos x cosh x = 1.
-FREE_FREE = (4.730040744862704, 7.853204624095838, 10.995607838001671)
-
-
-@pytest.mark.parametrize("elements", [6, 12])
-def test_a_free_beam_vibrates_at_the_frequencies_of_the_textbook(elements: int) -> None:
-    beam = replace(BEAM, elements=elements)
-    scene = straight(beam)
-    squares = eigh(tangent(scene, 1.0, 0.0), mass_matrix(scene), eigvals_only=True)
-    # Two translations and a turn cost nothing.
-    assert squares[:3] == pytest.approx(0.0, abs=1e-13 * squares[-1])
-    L, density = beam.length, beam.linear_density
-    bending = np.square(FREE_FREE) * math.sqrt(beam.bending_stiffness / density) / L**2
-    axial = np.arange(1, 3) * math.pi * math.sqrt(beam.axial_stiffness / density) / L
-    found = np.sqrt(squares[3:])
-    for expected in (*bending, *axial):
-        # An error of (wave number * element length)^4 / 720 and less.
-        number = max(FREE_FREE) / elements
-        assert np.abs(found / expected - 1.0).min() < number**4 / 720.0
-
-
-@pytest.mark.parametrize("angle", [0.0, 1.0, -2.5])
-def test_nodes_stand_and_move_as_described(angle: float) -> None:
-    beam = replace(BEAM, position=(1.0, -1.0), angle=angle, velocity=(0.1, 0.2), spin=3.0)
-    scene = straight(beam)
-    along, across = turned((1.0, 0.0), angle), turned((0.0, 1.0), angle)
-    nodes, rates = scene.q[scene.own].reshape(-1, 4), scene.v[scene.own].reshape(-1, 4)
-    for k, arc in enumerate(np.linspace(0.0, beam.length, beam.elements + 1)):
-        assert nodes[k] == pytest.approx([*(np.array(beam.position) + arc * along), *along], abs=1e-15)
-        assert rates[k] == pytest.approx([*(np.array(beam.velocity) + 3.0 * arc * across), *(3.0 * across)], abs=2e-15)
 
 
 @pytest.mark.parametrize("node", range(BEAM.elements + 1))

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numba
 import numpy as np
-import pytest
 from helpers import fingerprint
 from mechanisms import ROUND_BEARING, chain, pendulum
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied
-from solar_env.mechanics.bodies.kinds import body_type
-from solar_env.mechanics.bodies.markers import marker_type
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import Body, Mechanism
@@ -32,46 +29,6 @@ def test_a_copied_state_shares_nothing_with_the_original() -> None:
     assert fingerprint(copy) == fingerprint(state)
     for name, mine, theirs in zip(state._fields, state, copy, strict=True):
         assert not np.shares_memory(mine, theirs), name
-
-
-@pytest.mark.parametrize(
-    "row_type",
-    [
-        body_type,
-        marker_type,
-        m.joint_type,
-        m.cable_type,
-        m.drive_type,
-        m.load_type,
-        m.joint_state_type,
-        m.clock_type,
-    ],
-)
-def test_rows_are_views_whose_members_are_attributes(row_type: np.dtype[np.void]) -> None:
-    rows = np.zeros(2, dtype=row_type)
-    for name in row_type.names or ():
-        row = rows[1]
-        setattr(row, name, 3)
-        assert np.all(rows[name][0] == 0)
-        assert np.all(rows[name][1] == 3)
-        assert np.all(getattr(row, name) == 3)
-
-
-def test_integrals_and_energies_are_numbered_without_gaps() -> None:
-    integrals = [
-        m.NORMAL_DISSIPATION,
-        m.FRICTION_DISSIPATION,
-        m.SLIDING_WORK,
-        m.IMPULSE,
-        m.MOTOR_WORK,
-        m.LATCH_DISSIPATION,
-        m.CABLE_WORK,
-    ]
-    assert sorted(integrals) == list(range(m.INTEGRALS_PER_JOINT))
-    named = ["KINETIC", "SPRING", "CABLE", "LATCH", "CONTACT", "ELASTIC", "GRAVITY"]
-    assert [m.ENERGY_NAMES[getattr(m, name)] for name in named] == [name.lower() for name in named]
-    # Those of the whole mechanism are counted from the end.
-    assert sorted((m.EXTERNAL_WORK, m.MATERIAL_DISSIPATION)) == list(range(-m.GLOBAL_INTEGRALS, 0))
 
 
 def test_mechanisms_of_any_size_and_kind_of_number_share_their_compiled_kernels() -> None:
@@ -113,12 +70,6 @@ def test_a_fixed_body_does_not_move_whatever_velocity_it_is_given() -> None:
     body = Body("b", 1.0, 1.0, 1.0, (0.0, 0.0), velocity=(3.0, 4.0), spin=5.0, fixed=True)
     _, state = compile_mechanism(Mechanism((body,)))
     assert not state.v.any()
-
-
-def test_latch_times_start_unknown() -> None:
-    _, state = compile_mechanism(replace(example(), wear_bins=7))
-    assert np.isnan(state.joints["latch_time"]).all()
-    assert state.wear_journal.shape == state.wear_bearing.shape == (2, 7)
 
 
 FAILURES = [

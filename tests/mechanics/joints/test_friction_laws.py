@@ -20,10 +20,10 @@ def row(*speeds: float) -> np.record:
 
 
 def test_the_ramp_sets_in_at_one_speed_and_is_full_at_the_other() -> None:
-    assert [friction_share(row(), speed)[0] for speed in (0.0, 1e-4, 1e-3, 1.0)] == [0.0, 0.0, 1.0, 1.0]
-    speeds = np.linspace(-2e-3, 2e-3, 4001)
-    found = np.array([friction_share(row(), speed)[0] for speed in speeds])
-    assert np.array_equal(found, -found[::-1])
+    joint, speeds = row(), np.linspace(-2e-3, 2e-3, 4001)
+    assert [friction_share(joint, speed)[0] for speed in (0.0, 1e-4, 1e-3, 1.0)] == [0.0, 0.0, 1.0, 1.0]
+    found = np.array([friction_share(joint, speed)[0] for speed in speeds])
+    assert np.array_equal(found, [-friction_share(joint, -speed)[0] for speed in speeds])
     # Continuous and monotone: no change exceeds the ramp's slope times the distance of the speeds.
     assert np.diff(found).min() >= 0.0
     assert np.diff(found).max() <= np.diff(speeds).max() / 9e-4 * (1 + 1e-9)

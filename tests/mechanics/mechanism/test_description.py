@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import (
     GROUND,
@@ -26,7 +25,6 @@ from solar_env.mechanics.mechanism.description import (
     Spring,
     Stop,
 )
-from solar_env.mechanics.running.simulation import Simulation
 
 BODY = Body("arm", 1.0, 0.1, 1.0, (0.5, 0.0))
 SPRING = Spring(1.0, 0.5)
@@ -164,18 +162,3 @@ def test_the_nodes_of_a_beam_are_found_by_their_points() -> None:
 def test_a_mechanism_whose_parts_do_not_fit_is_refused(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
         replace(MECHANISM, **changes)
-
-
-def test_parts_are_frozen() -> None:
-    for part in PARTS:
-        with pytest.raises(AttributeError):
-            setattr(part, fields(part)[0].name, None)
-
-
-@pytest.mark.parametrize("turn", [0.0, 0.3, 2.0, -3.0])
-@pytest.mark.parametrize("sign", [1, -1])
-def test_a_joint_angle_is_measured_from_its_folded_angle_in_its_sense(sign: int, turn: float) -> None:
-    arm = replace(BODY, angle=0.7 + sign * turn)
-    joint = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), sign=sign, folded_angle=0.7)
-    loads = Simulation(Mechanism((arm,), (joint,))).joint_loads()
-    assert loads[0, ANGLE] == pytest.approx(turn, abs=1e-14)

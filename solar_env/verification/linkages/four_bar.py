@@ -17,13 +17,7 @@ from scipy.integrate import cumulative_simpson
 
 from solar_env.mechanics.arrays.columns import FORCE_X, FORCE_Y
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.textbook import (
-    FOUR_BAR_PINS,
-    STANDARD_GRAVITY,
-    Link,
-    flores_bearing,
-    four_bar,
-)
+from solar_env.mechanics.mechanism.textbook import FOUR_BAR_PINS, STANDARD_GRAVITY, Link, flores_bearing, four_bar
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.checks import Check

@@ -7,49 +7,37 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cable_beams import (
-    BEAM,
-    RIGID,
-    mass_matrix,
-    quarter_turns,
-    straight,
-    translation,
-)
+from cable_beams import BEAM, RIGID, mass_matrix, quarter_turns, straight, translation
 from mechanisms import Vector, turned
 
-from solar_env.mechanics.bodies.cable_element.element import (
-    add_mass_product,
-    kinetic_energy,
-    solve_mass,
-)
+from solar_env.mechanics.bodies.cable_element.element import add_mass_product, kinetic_energy, solve_mass
 from solar_env.mechanics.bodies.markers import direction, place
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.mechanism.description import GROUND, Drive, Joint, Load, Mechanism, Point
 
 
-def hermite(elements: int, length: float, points: int) -> tuple[Vector, Vector, np.ndarray]:
-    """Arc lengths, quadrature weights and shape functions (points, nodal values) of a beam, by polynomial fit."""
+def hermite(elements: int, length: float, points: int) -> tuple[Vector, np.ndarray]:
+    """Quadrature weights and shape functions (points, nodal values) of a beam, by polynomial fit."""
     gauss, weights = np.polynomial.legendre.leggauss(points)
     step = length / elements
-    arcs, quadrature = [], []
+    quadrature = []
     shapes = np.zeros((elements * points, 2 * (elements + 1)))
     # Cubics whose values and slopes at both ends are the unit vectors.
     conditions = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, step, step**2, step**3], [0, 1, 2 * step, 3 * step**2]])
     cubics = np.linalg.inv(conditions)
     for e in range(elements):
         s = 0.5 * step * (gauss + 1.0)
-        arcs.append(e * step + s)
         quadrature.append(0.5 * step * weights)
         powers = np.stack([s**k for k in range(4)], axis=1)
         shapes[e * points : (e + 1) * points, 2 * e : 2 * e + 4] = powers @ cubics
-    return np.concatenate(arcs), np.concatenate(quadrature), shapes
+    return np.concatenate(quadrature), shapes
 
 
 @pytest.mark.parametrize("elements", [1, 2, 5, 12])
 def test_the_mass_matrix_is_the_quadrature_of_the_shape_functions(elements: int) -> None:
     scene = straight(replace(BEAM, elements=elements))
     # Products of cubics: four Gauss points are exact.
-    _, weights, shapes = hermite(elements, BEAM.length, 4)
+    weights, shapes = hermite(elements, BEAM.length, 4)
     expected = np.kron(BEAM.linear_density * shapes.T @ (weights[:, None] * shapes), np.eye(2))
     assert mass_matrix(scene) == pytest.approx(expected, abs=1e-14 * np.abs(expected).max())
     assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == 0.0

@@ -23,9 +23,9 @@ from solar_env.mechanics.equations.system import accelerations, applied_forces
 from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_scratch
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
 from solar_env.mechanics.joints.laws import PowerLaw
-from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Joint, Load, Mechanism, Spring
+from solar_env.mechanics.mechanism.description import GROUND, Body, Joint, Load, Mechanism, Spring
 from solar_env.mechanics.numerics.profile import dense, make_profile_matrix
-from solar_env.mechanics.running.simulation import Simulation, simulate
+from solar_env.mechanics.running.simulation import simulate
 
 POSITION, ANGLE, VELOCITY, SPIN = (0.3, -0.7), 0.8, (0.5, 0.2), -0.9
 MOTION: dict[str, Any] = {"position": POSITION, "angle": ANGLE, "velocity": VELOCITY, "spin": SPIN}
@@ -245,22 +245,6 @@ def test_every_method_moves_a_body_that_bounces_in_a_bearing(kind: Any, integrat
     assert found.angles == pytest.approx(reference.angles, abs=2e-3)
     assert found.eccentricity == pytest.approx(reference.eccentricity, abs=2e-3)
     assert np.abs(found.energies["residual"]).max() < 3e-3
-
-
-@each_kind
-@pytest.mark.parametrize(
-    "parts",
-    [
-        {"joints": (Joint("pin", GROUND, "example", (0.0, 0.0), (0.0, 0.0)),)},
-        {"drives": (Drive("example", ANGLE, 0.0),)},
-    ],
-    ids=lambda parts: next(iter(parts)),
-)
-def test_linear_constraints_hold_every_kind(kind: Any, parts: dict[str, Any]) -> None:
-    body = replace(example(kind), position=(0.0, 0.0), velocity=(0.0, 0.0), spin=0.0)
-    simulation = Simulation(Mechanism((body,), **parts))
-    simulation.advance(1e-3)
-    assert simulation.formulation.drift(simulation.model, simulation.state)[0] < 1e-12
 
 
 def test_a_body_of_no_kind_is_refused_with_the_known_ones() -> None:

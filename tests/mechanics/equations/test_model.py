@@ -66,25 +66,6 @@ def test_only_joints_whose_torque_depends_on_the_angle_limit_it() -> None:
     assert sprung.joints["angle_limited"][0] == 1
 
 
-def test_a_fixed_body_does_not_move_whatever_velocity_it_is_given() -> None:
-    body = Body("b", 1.0, 1.0, 1.0, (0.0, 0.0), velocity=(3.0, 4.0), spin=5.0, fixed=True)
-    _, state = compile_mechanism(Mechanism((body,)))
-    assert not state.v.any()
-
-
-FAILURES = [
-    m.STEP_TOO_SMALL,
-    m.NOT_FINITE,
-    m.SINGULAR_CONSTRAINTS,
-    m.NEWTON_FAILED,
-    m.JOINT_ANGLE_RANGE,
-    m.CONTACT_TOO_DEEP,
-    m.TOO_MANY_STEPS,
-    m.EVENTS_PILE_UP,
-    m.NEWTON_STALLED,
-]
-
-
 def clock_of(joint: int, value: float) -> np.void:
     clock = np.zeros(1, m.clock_type)
     clock["time"], clock["failure_joint"], clock["failure_value"] = 1.5, joint, value
@@ -92,14 +73,13 @@ def clock_of(joint: int, value: float) -> np.void:
 
 
 def test_every_failure_names_its_time_a_remedy_and_a_reason_of_its_own() -> None:
-    codes = [m.DONE, m.PAUSED, *FAILURES]
+    codes = [m.DONE, m.PAUSED, *_CAUSES]
     assert sorted(codes) == list(range(len(codes)))
-    assert set(_CAUSES) == set(FAILURES)
-    errors = [failure(status, clock_of(1, math.pi)) for status in FAILURES]
-    for error in errors:
+    errors = {status: failure(status, clock_of(1, math.pi)) for status in _CAUSES}
+    for error in errors.values():
         assert re.match(r"at t = 1\.5 s .*(; |, or )", str(error))
         assert error.time == 1.5
         assert error.reason.isidentifier()
-    assert len({error.reason for error in errors}) == len(FAILURES)
+    assert len({error.reason for error in errors.values()}) == len(_CAUSES)
     # Joints count from one.
-    assert "joint 2 reached 3.142 rad" in str(errors[FAILURES.index(m.JOINT_ANGLE_RANGE)])
+    assert "joint 2 reached 3.142 rad" in str(errors[m.JOINT_ANGLE_RANGE])

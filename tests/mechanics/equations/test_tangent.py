@@ -98,13 +98,6 @@ def scene(
     return forces
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_nothing_that_acts_has_no_tangent(seed: int) -> None:
-    by_q, by_v = tangents(scene(seed))
-    assert not by_q.any()
-    assert not by_v.any()
-
-
 CABLES = [(replace(LOOP, preload_torque=p, torque_ratio=r),) for p in (math.inf, 0.05) for r in (1.0, 2.0)]
 PRESSED = replace(ROUND_BEARING, contact=PowerLaw(50.0, damping=0.05), friction_speeds=(0.0, 50.0))
 SCENES: list[dict[str, Any]] = [
@@ -200,12 +193,6 @@ def test_a_contact_that_parts_too_fast_to_press_has_no_tangent(seed: int) -> Non
 def test_a_joint_of_the_ground() -> None:
     # At rest in the fixed frame: only the arm's own columns matter, and all must be right.
     check(Forces(pendulum()))
-
-
-def test_the_tangents_of_conservative_forces_are_symmetric() -> None:
-    forces = scene(1, spring=Spring(1.3, 0.7), cables=(replace(LOOP, torque_ratio=2.0),))
-    by_q, _ = tangents(forces)
-    assert by_q == pytest.approx(by_q.T, abs=1e-13 * np.abs(by_q).max())
 
 
 def everything() -> Mechanism:

@@ -166,23 +166,6 @@ def test_an_unknown_law_and_a_restitution_outside_its_range_are_refused() -> Non
                 contact_law(name, SURFACES, coefficient)
 
 
-@pytest.mark.parametrize(
-    ("name", "values", "rule"),
-    [
-        ("stiffness", (0.0, -1.0), "must be positive"),
-        ("stiffness", (math.nan, math.inf), "must be finite"),
-        ("exponent", (0.9, 2.1), "must lie between 1 and 2"),
-        ("exponent", (math.nan,), "must be finite"),
-        ("damping", (-0.1,), "must not be negative"),
-        ("damping", (math.nan, math.inf), "must be finite"),
-    ],
-)
-def test_a_power_law_without_sense_is_refused(name: str, values: tuple[float, ...], rule: str) -> None:
-    for value in values:
-        with pytest.raises(ValueError, match=f"PowerLaw.{name} = {value!r}: {rule}"):
-            replace(PowerLaw(1e10), **{name: value})
-
-
 @pytest.mark.parametrize("exponent", [1.0, 1.2, 1.5, 2.0])
 def test_the_duration_of_an_impact_is_its_quadrature(exponent: float) -> None:
     law = PowerLaw(7e10, exponent)

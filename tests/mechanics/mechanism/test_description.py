@@ -29,7 +29,8 @@ from solar_env.mechanics.mechanism.description import (
 BODY = Body("arm", 1.0, 0.1, 1.0, (0.5, 0.0))
 SPRING = Spring(1.0, 0.5)
 STOP = Stop(0.01, 100.0, 1.0, 1e-3, 1.0)
-BEARING = Bearing(1e-3, 0.01, PowerLaw(1e9))
+CONTACT = PowerLaw(1e9)
+BEARING = Bearing(1e-3, 0.01, CONTACT)
 JOINT = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), spring=SPRING, stop=STOP, lock_angle=1.0)
 OTHER = replace(JOINT, name="other", inboard="arm", outboard="beam")
 CABLE = CableLoop("pin", "other", 1.0, 2.0, 2.0)
@@ -38,13 +39,14 @@ LOAD = Load("arm", (0.1, 0.0), (1.0, 2.0), 0.3)
 BEAM = FlexibleBody("beam", 1.5, 4, linear_density=0.8, axial_stiffness=5.0, bending_stiffness=0.6)
 PANEL = ModalPanel("panel", 1.5, 1.2, axial_stiffness=5.0, bending_stiffness=0.6, modes=3)
 MECHANISM = Mechanism((BODY, BEAM), (JOINT, OTHER), (CABLE,), (DRIVE,), (LOAD,))
-PARTS: list[Any] = [BODY, BEAM, PANEL, SPRING, STOP, BEARING, JOINT, CABLE, DRIVE, LOAD, MECHANISM]
+PARTS: list[Any] = [BODY, BEAM, PANEL, SPRING, STOP, CONTACT, BEARING, JOINT, CABLE, DRIVE, LOAD, MECHANISM]
 
 NOT_POSITIVE = {
     BODY: ("mass", "inertia", "length"),
     BEAM: ("length", "linear_density", "axial_stiffness", "bending_stiffness"),
     PANEL: ("length", "mass", "axial_stiffness", "bending_stiffness"),
     STOP: ("stiffness", "ramp_depth"),
+    CONTACT: ("stiffness",),
     BEARING: ("clearance", "journal_radius", "minimum_impact_speed", "width"),
     CABLE: ("wheel_ratio",),
 }
@@ -54,6 +56,7 @@ NEGATIVE = {
     DRIVE: ("ramp_time",),
     SPRING: ("stiffness",),
     STOP: ("gap", "damping"),
+    CONTACT: ("damping",),
     BEARING: ("friction_coefficient", "wear_coefficient"),
     CABLE: ("stiffness", "torque_ratio", "preload_torque"),
 }
@@ -107,6 +110,7 @@ BARE = replace(JOINT, stop=None, lock_angle=None)
     ("part", "name", "value", "rule"),
     [
         (STOP, "exponent", 0.5, "must be at least 1"),
+        *((CONTACT, "exponent", value, "must lie between 1 and 2") for value in (0.9, 2.1)),
         (BEARING, "sliding", "paper", "must be one of ('material', 'centres', 'places')"),
         *((BEARING, "friction_speeds", v, "must satisfy 0 <= first < second") for v in ((1e-3, 1e-3), (-1e-3, 1e-3))),
         (JOINT, "sign", 0, "must be +1 or -1"),

@@ -106,13 +106,3 @@ def test_the_work_of_a_motor_is_torque_times_angle_and_balances(
     # The book is kept to the tolerance of energy of every step.
     assert booked == pytest.approx(work, rel=tolerance)
     assert abs(simulation.energy_residual()) < 1e-5 * 0.5
-
-
-def test_a_free_array_keeps_its_momentum_through_every_impact() -> None:
-    simulation = Simulation(build(ArrayParameters()))
-    speed = 0.0
-    for end in np.linspace(0.1, 3.0, 30):
-        simulation.advance(end)
-        speed = max(speed, np.abs(simulation.state.v).max())
-        assert np.abs(simulation.momenta()[:2]).max() < 1e-10 * 6.0 * speed
-    assert simulation.state.joints["contact_starts"].min() > 10

@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import (
     GROUND,
     Bearing,
@@ -33,7 +32,7 @@ ROUND_BEARING = Bearing(
     contact=PowerLaw(50.0, damping=0.7),
     minimum_impact_speed=0.01,
     friction_coefficient=0.4,
-    friction=RampedCoulomb(0.2, 3.0),
+    friction_speeds=(0.2, 3.0),
     wear_coefficient=1e-3,
     width=0.8,
 )
@@ -169,3 +168,15 @@ def beam_rotor(lock_angle: float) -> Mechanism:
     stop = Stop(gap=0.01, stiffness=100.0, exponent=1.5, ramp_depth=1e-3, damping=0.1)
     pin = Joint("pin", GROUND, "beam", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=lock_angle)
     return Mechanism((beam,), (pin,), loads=(Load("beam", (1.0, 0.0), (0.1, 0.3), 0.2),), gravity=(0.0, -1.0))
+
+
+def double_pendulum(angle: float = 0.0) -> Mechanism:
+    """Two slender rods of 1 m and 1 kg in a row, at rest at an angle from the x axis, under 9.81 m/s2."""
+    end = turned((1.0, 0.0), angle)
+    upper = Body("upper", 1.0, 1.0 / 12.0, 1.0, (0.5, 0.0), angle=angle)
+    lower = replace(upper, name="lower", position=tuple(end.tolist()))
+    joints = (
+        Joint("shoulder", GROUND, "upper", (0.0, 0.0), (0.0, 0.0)),
+        Joint("elbow", "upper", "lower", (1.0, 0.0), (0.0, 0.0)),
+    )
+    return Mechanism((upper, lower), joints, gravity=(0.0, -9.81))

@@ -45,9 +45,9 @@ def simulate(
         progress: called with the simulated time [s] now and then; the result does not depend on it.
 
     Returns:
-        The trajectory. With flexible panels and the explicit integrator, look at its `stability_bound_share`: where
-        it is large, the stability of the method on the panels' axial vibration sets the cost of the run, and a looser
-        tolerance does not make it cheaper.
+        The trajectory. With flexible panels and the explicit integrator, look at `stability_bound_steps` among its
+        metadata: where they are many, the stability of the method on the panels' axial vibration sets the cost of the
+        run, and a looser tolerance does not make it cheaper.
 
     Raises:
         ValueError: for an unknown name or a refused value, or if they contradict each other.

@@ -65,7 +65,7 @@ def run_command(args: Args) -> int:
     name = args.integrator or default_integrator(level).name
     integrator = make_integrator(name, level, args.step, args.rtol)
     build(parameters, level)
-    from solar_env.mechanics.running.sampling import sample_times
+    from solar_env.mechanics.running.simulation import sample_times
 
     sample_times(args.duration, args.output_step)
     from solar_env.array.deployment import panel_deflections, simulate
@@ -82,9 +82,10 @@ def run_command(args: Args) -> int:
             output_step=args.output_step,
             progress=lambda time: progress.update(task, completed=time),
         )
-    if name == RungeKutta.name and trajectory.stability_bound_share > _NOTEWORTHY_SHARE:
-        args.console.print(_stability_note(trajectory.stability_bound_share), highlight=False, soft_wrap=True)
     summary = trajectory.summary()
+    share = summary["stability_bound_steps"] / summary["steps"]
+    if name == RungeKutta.name and share > _NOTEWORTHY_SHARE:
+        args.console.print(_stability_note(share), highlight=False, soft_wrap=True)
     if str(args.json) == "-":
         json.dump(summary, sys.stdout, indent=2)
         print()

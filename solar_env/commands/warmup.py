@@ -2,21 +2,21 @@
 
 import multiprocessing
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 
 from rich.console import Console
 
 from solar_env.array import MODELS, ArrayParameters, ModelLevel, build
-from solar_env.array.compilation import compilation_note, kernels_are_compiled, mark_compiled
+from solar_env.array.compilation import compilation_note, mark_compiled
 from solar_env.array.methods import make_integrator
-from solar_env.mechanics.integrators.settings import INTEGRATORS, ModalRadau
+from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
 from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage
 
-# Functions of `compilation.py`: what everything calls, and the longest of the rest.
-PARTS = ("compile_evaluation", "compile_linear_step", "compile_modal_step")
+# The first two share next to nothing; the others find compiled what they share with those.
+_ORDER = (RungeKutta.name, ModalRadau.name, Rosenbrock.name, GeneralizedAlpha.name)
 
 
 @dataclass
@@ -41,15 +41,8 @@ def load_all_models(integrator: str) -> list[float]:
     return [load_kernels(model, integrator) for model in MODELS]
 
 
-def compile_part(part: str) -> None:
-    """Compile, or load, one of the functions of `compilation.py` for the default array."""
-    from solar_env.mechanics.running import compilation
-
-    getattr(compilation, part)(build(ArrayParameters(), MODELS[0]))
-
-
-def compile_side_by_side(integrators: Sequence[str] = tuple(INTEGRATORS)) -> Iterator[tuple[str, list[float]]]:
-    """Compile in two processes: the parts, then the integrators, which share them.
+def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
+    """Compile all integrators in two processes.
 
     Yields:
         Name of an integrator, with the seconds that it took to load for each of MODELS.
@@ -58,10 +51,7 @@ def compile_side_by_side(integrators: Sequence[str] = tuple(INTEGRATORS)) -> Ite
     pool = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
     try:
         with starting_workers():
-            parts = [pool.submit(compile_part, name) for name in PARTS]
-        for part in parts:
-            part.result()
-        jobs = {pool.submit(load_all_models, integrator): integrator for integrator in integrators}
+            jobs = {pool.submit(load_all_models, integrator): integrator for integrator in _ORDER}
         for job in as_completed(jobs):
             yield jobs[job], job.result()
     except BaseException:
@@ -75,8 +65,6 @@ def compile_side_by_side(integrators: Sequence[str] = tuple(INTEGRATORS)) -> Ite
 def warm_up(console: Console, model: str, integrator: str) -> None:
     """Compile or load the kernels of a model, saying so."""
     with stage(console, f"loading kernels of {model}, {integrator}{compilation_note([integrator])}"):
-        if not kernels_are_compiled(integrator):
-            list(compile_side_by_side([integrator]))
         load_kernels(model, integrator)
 
 

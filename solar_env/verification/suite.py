@@ -9,7 +9,7 @@ from solar_env.verification.arrays import deployments, impacts
 from solar_env.verification.beams import dynamics, statics, vibration
 from solar_env.verification.checks import Check
 from solar_env.verification.impacts import impact, sliding, stops
-from solar_env.verification.linkages import chains, clearance_linkages, closed_loops, pendulum
+from solar_env.verification.linkages import four_bar, pendulum
 from solar_env.verification.panels import ends, method, struck, turning
 
 CASES: dict[str, Callable[[], Iterator[Check]]] = {
@@ -19,12 +19,8 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "wear": sliding.archard_wear,
     "pendulum": pendulum.pendulum_motion,
     "integration-order": pendulum.generalized_alpha_order,
-    "multiplier-transients": pendulum.multiplier_transients,
-    "double-pendulum": chains.double_pendulum_motion,
-    "slider-crank": closed_loops.slider_crank_cycle,
-    "four-bar": closed_loops.four_bar_cycle,
-    "slider-crank-clearance": clearance_linkages.slider_crank_clearance,
-    "four-bar-clearance": clearance_linkages.four_bar_clearance,
+    "four-bar": four_bar.four_bar_cycle,
+    "four-bar-clearance": four_bar.four_bar_clearance,
     "slack-cable": stops.slack_cable,
     "stops": stops.swings_into_stops,
     "rigid-array": deployments.rigid_array_motion,

@@ -24,8 +24,7 @@ from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.settings import INTEGRATORS
-from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS
-from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
+from solar_env.mechanics.joints.laws import CONTACT_LAWS, SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import AnyBody, Body, Joint, Mechanism
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.diagnosis import SimulationWarning
@@ -49,7 +48,6 @@ def arrays(draw: st.DrawFn) -> ArrayParameters:
         "initial_rate": draw(st.lists(st.floats(-0.5, 0.5), min_size=1, max_size=count)),
         "spring_preload_angle": draw(st.lists(st.floats(0.0, 4.0), min_size=1, max_size=count)),
         "contact_law": draw(st.sampled_from(sorted(CONTACT_LAWS))),
-        "friction_law": draw(st.sampled_from(sorted(FRICTION_LAWS))),
         "friction_sliding": draw(st.sampled_from(sorted(SLIDING_READINGS))),
     }
     if not changes["body_fixed"]:

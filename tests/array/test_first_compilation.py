@@ -51,8 +51,7 @@ def test_the_first_episode_says_that_it_compiles_and_remembers_it(lanes, nothing
     assert said[1] == ""
 
 
-def test_commands_say_that_kernels_are_compiled_where_they_are_not_there_yet(nothing_compiled, capsys, monkeypatch):
-    monkeypatch.setattr("solar_env.commands.warmup.compile_side_by_side", lambda integrators: [])
+def test_commands_say_that_kernels_are_compiled_where_they_are_not_there_yet(nothing_compiled, capsys):
     told = []
     for _ in range(2):
         assert main(["simulate", "--duration", "0.1"]) == 0

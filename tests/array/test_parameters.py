@@ -16,7 +16,6 @@ from solar_env.array import MODELS, PRESETS, ArrayParameters, build
 from solar_env.array.deployment import simulate
 from solar_env.array.methods import default_integrator
 from solar_env.environment.env import SolarArrayEnv
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.mechanism.description import Stop
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
@@ -118,9 +117,6 @@ def test_other_values_without_sense_are_refused() -> None:
     refused({"contact_law": "dubowsky"}, "contact law 'dubowsky' is unknown")
     refused({"contact_law": 3}, "contact_law = 3 must be of type str")
     refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be one of material, centres, places")
-    refused({"friction_law": "stribeck"}, "friction_law = 'stribeck' must be one of ramp, brown-mcphee")
-    refused({"static_friction_ratio": 0.9}, "static_friction_ratio = 0.9 must be at least 1")
-    refused({"static_friction_ratio": 1.5}, "static_friction_ratio = 1.5 must be 1 with friction_law = 'ramp'")
     refused({"body_fixed": 1}, "body_fixed = 1 must be of type bool")
     refused({"body_fixed": True, "initial_spin": 0.1}, "initial_spin = 0.1 needs a body that is not fixed")
     refused({"latch_exponent": 0.5}, "latch_exponent = 0.5 must be at least 1")
@@ -194,7 +190,7 @@ def test_only_quantities_by_joint_take_several_entries(name: str) -> None:
 @pytest.mark.parametrize("name", PER_JOINT)
 def test_the_last_entry_of_a_quantity_by_joint_holds_for_all_further_joints(name: str) -> None:
     unit = {"latch_exponent": 1.0, "friction_speed_full": 1.0, "friction_speed_zero": 1e-5}.get(name, 1e-3)
-    one, two = (1.0, 1.0) if name == "static_friction_ratio" else (unit, 1.1 * unit)
+    one, two = unit, 1.1 * unit
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SimulationWarning)
         p = ArrayParameters(panel_count=4).with_changes({name: [one, two]})
@@ -207,8 +203,8 @@ def test_hinges_and_loops_that_differ_become_those_of_the_mechanism() -> None:
     p = ArrayParameters(
         panel_count=3, cable_stiffness=(20.0, 30.0), latch_gap=(0.0, 0.01, 0.02), latch_stiffness=(1e3, 2e3),
         latch_exponent=(1.0, 1.5), latch_ramp_depth=(1e-3, 2e-3), latch_damping=(10.0, 5.0), restitution=(0.9, 0.8),
-        contact_stiffness=(7e10, 6e10), friction_law="brown-mcphee", friction_coefficient=(0.1, 0.2),
-        static_friction_ratio=(1.1, 1.2), friction_speed_zero=(0.0, 1e-4), friction_speed_full=(1e-3, 2e-3),
+        contact_stiffness=(7e10, 6e10), friction_coefficient=(0.1, 0.2),
+        friction_speed_zero=(0.0, 1e-4), friction_speed_full=(1e-3, 2e-3),
         contact_law="restitution",
     )  # fmt: skip
     mechanism = build(p)
@@ -221,8 +217,7 @@ def test_hinges_and_loops_that_differ_become_those_of_the_mechanism() -> None:
     ratios = [bearing.contact.exit_speed_ratio() for bearing in bearings]
     assert ratios == pytest.approx([0.9, 0.8, 0.8], rel=1e-6)
     assert [bearing.friction_coefficient for bearing in bearings] == [0.1, 0.2, 0.2]
-    assert [bearing.friction for bearing in bearings] == [p.friction(joint) for joint in range(3)]
-    assert bearings[0].friction != bearings[1].friction == bearings[2].friction
+    assert [bearing.friction_speeds for bearing in bearings] == [(0.0, 1e-3), (1e-4, 2e-3), (1e-4, 2e-3)]
     assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
 
 
@@ -316,4 +311,4 @@ def test_a_bearing_takes_over_its_parameters() -> None:
     assert bearing.clearance == 3e-4
     assert bearing.contact.damping == pytest.approx(1.6, rel=1e-14)
     assert bearing.sliding == "centres"
-    assert bearing.friction == RampedCoulomb(1e-4, 1e-3)
+    assert bearing.friction_speeds == (1e-4, 1e-3)

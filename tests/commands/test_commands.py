@@ -153,9 +153,8 @@ def said_on_the_console(capsys, *options):
 def test_simulate_says_on_one_line_when_stability_bounds_the_steps(capsys):
     options = ["--integrator", "runge-kutta", "--rtol", "1e-7", "--model"]
     said = said_on_the_console(capsys, *options, "flexible-ideal:6 elements")
-    share = simulate(
-        model="flexible-ideal:6 elements", duration=0.2, integrator=RungeKutta(rtol=1e-7)
-    ).stability_bound_share
+    run = simulate(model="flexible-ideal:6 elements", duration=0.2, integrator=RungeKutta(rtol=1e-7))
+    share = run.metadata["stability_bound_steps"] / run.metadata["steps"]
     assert share > 0.1
     (line,) = (line for line in said.splitlines() if "stability" in line)
     assert line.startswith(f"{100.0 * share:.0f} % of the steps")

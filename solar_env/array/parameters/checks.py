@@ -5,7 +5,7 @@ from dataclasses import fields
 from typing import Any
 
 from solar_env.array.parameters.plausibility import warn_of_implausible
-from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
+from solar_env.mechanics.joints.laws import SLIDING_READINGS
 from solar_env.mechanics.running.diagnosis import restitution_text, warn
 from solar_env.support.numbers import is_number
 
@@ -97,10 +97,6 @@ def _check_friction(p: ArrayParameters) -> None:
         _require(p, "friction_speed_zero", below, rule)
     readings = f"must be one of {', '.join(SLIDING_READINGS)}"
     _require(p, "friction_sliding", p.friction_sliding in SLIDING_READINGS, readings)
-    _require(p, "friction_law", p.friction_law in FRICTION_LAWS, f"must be one of {', '.join(FRICTION_LAWS)}")
-    _require(p, "static_friction_ratio", min(p.entries("static_friction_ratio")) >= 1.0, "must be at least 1")
-    for joint in range(len(p.joints)):
-        p.friction(joint)
 
 
 def _check_contact(p: ArrayParameters) -> None:

@@ -17,9 +17,7 @@ from typing import Any, ClassVar, Self
 from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameters.checks import check_parameters
 from solar_env.array.parameters.plan import JointRow, chain
-from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
-from solar_env.mechanics.joints.contact.surfaces import Surfaces
-from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, FrictionLaw
+from solar_env.mechanics.joints.laws import PowerLaw, Surfaces, contact_law
 from solar_env.mechanics.mechanism.description import Bearing, Stop
 from solar_env.support.numbers import plain
 
@@ -79,11 +77,9 @@ class ArrayParameters:
             where the stiffness is computed; a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: a hundredth
             of the slower impacts').
-        friction_law: "ramp" (the paper's Eq 42), or "brown-mcphee" (smooth, with static friction, setting in at once).
         friction_coefficient: Coulomb's, of sliding.
-        static_friction_ratio: coefficient of static over that of sliding friction, at least 1; 1 for "ramp".
-        friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s] (chosen: below
-            those of impacts, which see all of Coulomb's friction); "brown-mcphee" peaks at the second.
+        friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s], the paper's Eq 42
+            (chosen: below those of impacts, which see all of Coulomb's friction).
         friction_sliding: "material" for the speed of the material points in contact; "centres" for that of the joint's
             centres, and "places" for that of the places of contact, which is depth / (clearance + depth) of it, as the
             paper's Eq 35 has it literally: both leave the bodies' rotation out.
@@ -99,7 +95,7 @@ class ArrayParameters:
     BY_JOINT: ClassVar[tuple[str, ...]] = (
         "spring_stiffness", "spring_preload_angle", "cable_stiffness", "latch_gap", "latch_stiffness", "latch_exponent",
         "latch_ramp_depth", "latch_damping", "clearance", "restitution", "contact_stiffness", "minimum_impact_speed",
-        "friction_coefficient", "static_friction_ratio", "friction_speed_zero", "friction_speed_full", "initial_rate",
+        "friction_coefficient", "friction_speed_zero", "friction_speed_full", "initial_rate",
     )  # fmt: skip
     # Of these, what also differs from joint to joint where one range is drawn from.
     DRAWN_BY_JOINT: ClassVar[tuple[str, ...]] = (
@@ -147,9 +143,7 @@ class ArrayParameters:
     bearing_young: float = 105e9
     bearing_poisson: float = 0.34
     minimum_impact_speed: float | tuple[float, ...] = 1e-4
-    friction_law: str = "ramp"
     friction_coefficient: float | tuple[float, ...] = 0.15
-    static_friction_ratio: float | tuple[float, ...] = 1.0
     friction_speed_zero: float | tuple[float, ...] = 1e-4
     friction_speed_full: float | tuple[float, ...] = 1e-3
     friction_sliding: str = "material"
@@ -230,14 +224,9 @@ class ArrayParameters:
             stiffness=self.by_joint("contact_stiffness", joint),
         )
 
-    def contact(self, joint: int) -> ContactLaw:
+    def contact(self, joint: int) -> PowerLaw:
         """The contact law of a joint, counted from 0."""
         return contact_law(self.contact_law, self.surfaces(joint), self.by_joint("restitution", joint))
-
-    def friction(self, joint: int) -> FrictionLaw:
-        """The friction law of a joint, counted from 0."""
-        names = ("friction_speed_zero", "friction_speed_full", "static_friction_ratio")
-        return FRICTION_LAWS[self.friction_law](*(self.by_joint(name, joint) for name in names))
 
     def bearing(self, joint: int) -> Bearing:
         """The clearance bearing of a joint, counted from 0."""
@@ -247,7 +236,7 @@ class ArrayParameters:
             contact=self.contact(joint),
             minimum_impact_speed=self.by_joint("minimum_impact_speed", joint),
             friction_coefficient=self.by_joint("friction_coefficient", joint),
-            friction=self.friction(joint),
+            friction_speeds=(self.by_joint("friction_speed_zero", joint), self.by_joint("friction_speed_full", joint)),
             sliding=self.friction_sliding,
             wear_coefficient=self.wear_coefficient,
             width=self.bearing_width,

@@ -7,8 +7,7 @@ import gymnasium
 import numpy as np
 
 from solar_env.mechanics.records.recording import Recorder, make_recorder
-from solar_env.mechanics.running.assembly import assemble, contact_table
-from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table
 
 _CONTACTS = 100_000  # of an episode, at most
 

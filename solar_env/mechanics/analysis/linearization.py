@@ -1,4 +1,4 @@
-"""Small motions about the initial state: mass, damping, stiffness, constraints, and natural frequencies.
+"""Small motions about the initial state with their natural frequencies, and equilibria at rest.
 
 The matrices are those of Newton's equations of the implicit integrator (`generalized_alpha.py`).
 """
@@ -16,11 +16,14 @@ from solar_env.mechanics.equations.system import Workspace, accelerations, add_m
 from solar_env.mechanics.integrators.methods.generalized_alpha import Iteration, fill_residual, make_iteration
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.numerics.profile import dense
+from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 
 Matrix = NDArray[np.float64]
 
 _SYMMETRY = 1e-9  # relative asymmetry of a stiffness that has a potential
+_MOST_ITERATIONS = 60  # of Newton's for an equilibrium
+_TOLERANCE = 1e-11  # of a correction, relative to the length scale
 
 
 class Linearization(NamedTuple):
@@ -117,3 +120,48 @@ def natural_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
     if squares[0] < -1e-9 * max(squares[-1], 1.0):
         raise ValueError(f"the equilibrium is unstable: a squared frequency is {squares[0]:.3g} 1/s2")
     return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi)
+
+
+def static_equilibrium(mechanism: Mechanism, load_steps: int = 10) -> NDArray[np.float64]:
+    """Coordinates (n,) at rest under springs, weight and loads; drives stay at their angles of t = 0.
+
+    Weight and loads grow in equal steps, so that large deflections are reached from the initial state. Stops act,
+    contacts in clearance joints do not.
+
+    Raises:
+        SimulationError: if the iteration does not converge.
+    """
+    simulation = Simulation(mechanism)
+    model, state = simulation.model, simulation.state
+    equations = NewtonEquations(model, state)
+    it, moving = equations.iteration, equations.moving
+    it.v[:] = 0.0
+    n = it.q.size
+    for step in range(1, load_steps + 1):
+        share = step / load_steps
+        loads = model.loads.copy()
+        loads["torque"] *= share
+        loaded = model._replace(constant_force=share * model.constant_force, loads=loads)
+        for _ in range(_MOST_ITERATIONS):
+            residual = equations.residual(loaded)[moving]
+            matrix = equations.matrix(loaded)[np.ix_(moving, moving)]
+            change = np.zeros(n + it.multipliers.size)
+            try:
+                change[moving] = np.linalg.solve(matrix, residual)
+            except np.linalg.LinAlgError:
+                raise SimulationError(
+                    "the mechanism can move freely: it has no equilibrium of its own", 0.0, "statics"
+                ) from None
+            it.q[:] += change[:n]
+            it.multipliers[:] += change[n:]
+            largest = float(np.abs(change[:n]).max())
+            if largest <= _TOLERANCE * model.length_scale:
+                break
+        else:
+            raise SimulationError(
+                f"the equilibrium under {share:.3g} of the loads was not found (last correction {largest:.3g} m); "
+                "raise load_steps",
+                0.0,
+                "statics",
+            )
+    return it.q.copy()

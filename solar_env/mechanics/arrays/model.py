@@ -18,8 +18,6 @@ from solar_env.mechanics.numerics.profile import Elimination
 EXACT, APPROXIMATE, ALGORITHMIC = 1, 2, 3
 # Joint kinds.
 IDEAL, CLEARANCE = 0, 1
-# Most parameters of a contact or friction law.
-LAW_PARAMETERS = 4
 
 
 def record(members: list[tuple[str, type] | tuple[str, type, int | tuple[int, ...]]]) -> np.dtype[np.void]:
@@ -54,12 +52,11 @@ joint_type = record(
         # Journal in bearing.
         ("clearance", np.float64),
         ("journal_radius", np.float64),
-        ("contact_law", np.int64),
-        ("contact", np.float64, LAW_PARAMETERS),
+        ("contact", np.float64, 4),  # parameters of `laws.PowerLaw`
         ("minimum_impact_speed", np.float64),
         ("friction_coefficient", np.float64),
-        ("friction_law", np.int64),
-        ("friction", np.float64, LAW_PARAMETERS),
+        ("friction_speed_zero", np.float64),
+        ("friction_speed_full", np.float64),
         ("sliding", np.int64),
         ("wear_coefficient", np.float64),
         ("bearing_width", np.float64),

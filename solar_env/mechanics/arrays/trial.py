@@ -1,7 +1,6 @@
 """The step in hand, as the run loop and all methods see it: its trial, and the motion of the joints at its ends."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import record
 
@@ -40,13 +39,3 @@ joint_motion_type = record(
         ("sliding_work", np.float64),  # of the step up to there [J]
     ]
 )
-
-
-def make_trial() -> NDArray[np.void]:
-    """Allocate the (1,) record of the step in hand."""
-    return np.zeros(1, trial_type)
-
-
-def make_joint_motions(joints: int) -> NDArray[np.void]:
-    """Allocate the (joints,) records of the joints' motion."""
-    return np.zeros(joints, joint_motion_type)

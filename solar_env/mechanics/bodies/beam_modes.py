@@ -57,15 +57,10 @@ def slope_factor(x: Real) -> Real:
 
 
 def bending_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Bending modes of a free beam, with pseudo-modes for those above the ones that are kept.
+    """Bending modes of a free beam of the stiffness E I [N m2], with pseudo-modes for those above the kept ones.
 
-    Args:
-        length: [m].
-        mass: [kg].
-        stiffness: E I [N m2].
-        kept: number of modes kept.
-        blocks: of Krylov vectors: 0 for none, 1 for the static flexibility, 2 for its first change with the squared
-            frequency as well.
+    The number of blocks of Krylov vectors is 0 for none, 1 for the static flexibility, 2 for its first change with the
+    squared frequency as well.
     """
     numbers, rows = _unit_bending_modes(kept, blocks)
     return EndModes(
@@ -92,16 +87,7 @@ def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
 
 
 def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Axial modes of a free bar, with pseudo-modes for those above the ones that are kept.
-
-    Args:
-        length: [m].
-        mass: [kg].
-        stiffness: E A [N].
-        kept: number of modes kept.
-        blocks: of Krylov vectors: 0 for none, 1 for the static flexibility, 2 for its first change with the squared
-            frequency as well.
-    """
+    """Axial modes of a free bar of the stiffness E A [N], otherwise as `bending_modes`."""
     numbers, rows = _unit_axial_modes(kept, blocks)
     return EndModes(numbers * math.sqrt(stiffness / mass / length), rows / math.sqrt(mass))
 
@@ -157,12 +143,7 @@ def _bending_moment(first: int, power: int) -> Any:
 
 
 def _pseudo_modes(moments: Sequence[Any], blocks: int) -> tuple[list[Real], list[tuple[Real, ...]]]:
-    """Frequencies and end values of the pseudo-modes of one family, in the units of the moments.
-
-    Args:
-        moments: sums of v v^T omega^-2p over the discarded modes, p = 1, 2, ...
-        blocks: of Krylov vectors.
-    """
+    """Frequencies and end values of the pseudo-modes of one family, from the sums of v v^T omega^-2p, p = 1, 2, ..."""
     values = moments[0].rows
     size = values * blocks
     stiffness, gram = _CONTEXT.matrix(size, size), _CONTEXT.matrix(size, size)

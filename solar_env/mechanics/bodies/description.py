@@ -63,8 +63,8 @@ class Body(AnyBody):
 class FlexibleBody(AnyBody):
     """A slender beam of equal ANCF cable elements, straight and unstrained at t = 0.
 
-    The body frame has its origin at the first end and its x axis along the undeformed centreline. Joints, drives,
-    guides and loads attach to nodes: points (x, 0) with x a multiple of length / elements.
+    The body frame has its origin at the first end and its x axis along the undeformed centreline. Joints, drives
+    and loads attach to nodes: points (x, 0) with x a multiple of length / elements.
 
     Attributes:
         length: [m].

@@ -5,7 +5,6 @@ Fixed bodies, whatever their kind, have neither inertia nor accelerations.
 
 from solar_env.mechanics.bodies import natural_coordinates
 from solar_env.mechanics.bodies.cable_element import element, forces
-from solar_env.mechanics.bodies.cable_element.tangent import add_elastic_tangents
 from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
 from solar_env.mechanics.numerics.jit import kernel
 
@@ -21,13 +20,7 @@ def _hold(body, a):
 def solve_body(body, constants, q, v, force, a, with_velocity):
     """Write to `a` the accelerations of a body alone under a generalized `force`; returns its own multiplier.
 
-    Args:
-        body: row of the body.
-        constants: of the model's bodies.
-        q, v: (n,) coordinates and velocities.
-        force: (n,) generalized force.
-        a: (n,) filled in the body's coordinates.
-        with_velocity: 0 leaves out what stems from velocities, which makes the map linear; else 1.
+    With `with_velocity` zero, not one, what stems from velocities is left out, which makes the map linear.
     """
     if body.fixed:
         _hold(body, a)
@@ -98,12 +91,6 @@ def add_internal_forces(model, q, v, force, element_table):
     if model.cable_elements.filled.size == 0:
         return 0.0
     return forces.add_elastic_forces(model.cable_elements, q, v, force, element_table)
-
-
-@kernel(inlined=True)
-def add_internal_slopes(model, q, v, element_slopes, by_q, by_v):
-    """Add to two matrices minus the slopes of the internal forces by coordinates and by velocities."""
-    add_elastic_tangents(model.cable_elements, q, v, element_slopes, model.elimination, by_q, by_v)
 
 
 @kernel(inlined=True)

@@ -39,13 +39,7 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def fill_marker(self, body: Described, row: np.void, first: int, point: Point) -> None:
-        """Fill a marker's linear map of two coordinate pairs, see `markers`.
-
-        Args:
-            body: that the marker belongs to.
-            row: of the marker.
-            first: index of the body's first coordinate.
-            point: in the body frame [m].
+        """Fill a marker's linear map (`markers`) for a point of the body frame [m], by the body's first coordinate.
 
         Raises:
             ValueError: if nothing can be attached there.

@@ -98,15 +98,6 @@ def add_torque(marker, q, torque, force):
 
 
 @kernel
-def set_direction_row(marker, c, s, row):
-    """Write the linear constraint that the direction has no component across (c, s): its first four entries."""
-    row[0] = -s * marker.c1
-    row[1] = c * marker.c1
-    row[2] = -s
-    row[3] = c
-
-
-@kernel
 def angle_hessian(dx, dy):
     """Entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
     fourth = (dx * dx + dy * dy) ** 2
@@ -117,13 +108,8 @@ def angle_hessian(dx, dy):
 def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
     """Fill the slopes of a marker's motion by its four coordinates, in columns 4 * side and following.
 
-    Args:
-        marker: row of the marker.
-        q, v: (n,) coordinates and velocities.
-        side: 0 or 1.
-        index: (8,) the coordinates.
-        gradient: (4, 8) slopes of x and y in rows 0 and 1, of the direction's angle in row 2 + side; zero before.
-        rate_slope: (4, 8) slopes by the coordinates of the rates of these; those of the place's rate vanish.
+    Slopes of x and y go to rows 0 and 1 of `gradient` (4, 8), those of the direction's angle to row 2 + side; slopes of
+    the rates of these to `rate_slope` (4, 8), where those of the place's rate vanish. Both are zero before.
     """
     k, angle = 4 * side, 2 + side
     index[k], index[k + 1] = marker.i1, marker.i1 + 1

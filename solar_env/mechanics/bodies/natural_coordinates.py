@@ -72,11 +72,7 @@ def mass_parameters(
 ) -> tuple[float, float, float, float]:
     """Blocks (m11, m22, m12, n12) [kg] of the mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]].
 
-    Args:
-        mass: [kg].
-        inertia: about the centroid [kg m2].
-        length: distance of the base points [m].
-        centroid: along and across the line p1 -> p2, from p1 [m].
+    The centroid lies along and across the line p1 -> p2, from p1 [m].
     """
     along, across = centroid[0] / length, centroid[1] / length
     second = inertia / length**2 + mass * (along**2 + across**2)

@@ -62,12 +62,6 @@ class _Compiler:
     def compile(self) -> tuple[m.Model, m.State]:
         bodies = self._bodies()
         joints = self._joints()
-        for guide in self.mechanism.guides:
-            marker = self._marker(guide.body, guide.point)
-            row: _Row = {}
-            for axis in (0, 1):
-                self._add_place(row, marker, axis, guide.normal[axis])
-            self._append_row(row, guide.offset, self.markers[marker]["body"])
         drives = self._drives()
         cables = self._cables(joints)
         constant_force = self._weight()

@@ -1,13 +1,13 @@
 """Linear constraints of a mechanism: rows, drives, compliance, drift, and the way back to them.
 
-A row of A(t) q = b is an ideal joint's, a guide's or a drive's. Rows are solved through the bodies' compliances: the
+A row of A(t) q = b is an ideal joint's or a drive's. Rows are solved through the bodies' compliances: the
 dual Schur complement A P A^T has one row and column a constraint. Its part at free lengths is constant.
 """
 
 import math
 
 from solar_env.mechanics.bodies.dispatch import project_bodies, solve_body, solve_free
-from solar_env.mechanics.bodies.markers import direction, set_direction_row
+from solar_env.mechanics.bodies.markers import direction
 from solar_env.mechanics.bodies.natural_coordinates import length_compliance, stretch_along
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import cholesky_factor, cholesky_solve
@@ -87,8 +87,8 @@ def set_drive_rows(model, time, row_value):
         drive = model.drives[k]
         marker = model.markers[drive.marker]
         psi, _, _ = drive_angle(drive, time)
-        c, s = math.cos(psi), math.sin(psi)
-        set_direction_row(marker, c, s, row_value[drive.row])
+        c, s, row = math.cos(psi), math.sin(psi), row_value[drive.row]
+        row[0], row[1], row[2], row[3] = -s * marker.c1, c * marker.c1, -s, c
 
 
 @kernel(inner=True)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
+from solar_env.mechanics.joints.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import Bearing, CableLoop, FlexibleBody, Joint, Mechanism, ModalPanel
 
 
@@ -35,25 +35,17 @@ def fill_bearing(record: np.void, bearing: Bearing) -> None:
     """Fill what the row of a joint with clearance holds of its bearing and of the laws of contact and friction."""
     record["clearance"] = bearing.clearance
     record["journal_radius"] = bearing.journal_radius
-    for kind, law in (("contact", bearing.contact), ("friction", bearing.friction)):
-        parameters = law.parameters()
-        record[f"{kind}_law"] = law.code
-        record[kind][: len(parameters)] = parameters
+    record["contact"] = bearing.contact.parameters()
     record["minimum_impact_speed"] = bearing.minimum_impact_speed
     record["friction_coefficient"] = bearing.friction_coefficient
+    record["friction_speed_zero"], record["friction_speed_full"] = bearing.friction_speeds
     record["sliding"] = SLIDING_READINGS.index(bearing.sliding)
     record["wear_coefficient"] = bearing.wear_coefficient
     record["bearing_width"] = bearing.width
 
 
 def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: NDArray[np.void]) -> None:
-    """Fill a cable loop's row, of `model.cable_type`.
-
-    Args:
-        record: the row.
-        cable: the loop.
-        mechanism: that it belongs to.
-        joints: rows of the joints, whose markers are filled.
+    """Fill a cable loop's row, of `model.cable_type`, after the markers of the joints' rows.
 
     Raises:
         ValueError: if the loop has no chord or its wheels do not fit.

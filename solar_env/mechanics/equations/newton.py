@@ -62,14 +62,7 @@ def _weighted_sum(mass, damping, stiffness, weights, out):
 
 @kernel
 def assemble(model, q, multipliers, row_value, newton, weights):
-    """Put the matrix together.
-
-    Args:
-        q: (n,) coordinates, for the direction of the rigid bodies' length constraints.
-        multipliers: (m + bodies,), for the stiffness of these constraints.
-        row_value: (m, ROW_ENTRIES) the linear constraints' rows.
-        weights: of mass, damping and stiffness.
-    """
+    """Put the matrix together, with weights of mass, damping and stiffness; multipliers of lengths add stiffness."""
     elimination, constraints, matrix = model.elimination, model.constraints, newton.matrix
     mass, damping, stiffness = newton.mass, newton.damping, newton.stiffness
     _weighted_sum(mass.diagonal, damping.diagonal, stiffness.diagonal, weights, matrix.diagonal)

@@ -1,8 +1,8 @@
 """Global quantities as sums over the mechanism's parts: forces, accelerations, energies.
 
 The equations of motion are M a + Phi_q^T lambda = Q(q, v, t) with two kinds of constraint: the length of every body in
-natural coordinates, eliminated body by body in closed form, and linear rows A(t) q = b for ideal joints, guides and
-drives (`constraints.py`).
+natural coordinates, eliminated body by body in closed form, and linear rows A(t) q = b for ideal joints and drives
+(`constraints.py`).
 """
 
 import math
@@ -57,7 +57,7 @@ from solar_env.mechanics.equations.constraints import (
     subtract_response,
 )
 from solar_env.mechanics.joints.cable_loop import belt_loads, wheel_motion
-from solar_env.mechanics.joints.contact.normal_force import contact_energy
+from solar_env.mechanics.joints.contact import contact_energy
 from solar_env.mechanics.joints.joint import joint_forces
 from solar_env.mechanics.joints.torques import add_torque_energies
 from solar_env.mechanics.numerics.jit import kernel
@@ -161,8 +161,8 @@ def applied_forces(model, joint_states, q, v, work):
     joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
-@kernel(inner=True)
-def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
+@kernel(inlined=True)
+def accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Accelerations (n,) at a configuration, with loads and powers in `work`; False if constraints are redundant.
 
     `multipliers` receives those of the linear rows, then one per body for its length.
@@ -175,12 +175,6 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
     if m == 0:
         return True
     return apply_linear_constraints(model, q, v, time, work, a, multipliers)
-
-
-@kernel(inlined=True)
-def accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """`inlined_accelerations` as a call, for places that are not hot."""
-    return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
 @kernel(inner=True)

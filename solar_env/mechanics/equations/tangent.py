@@ -13,16 +13,13 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.columns import ANGLE, INBOARD_SPIN, OUTBOARD_SPIN, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE
-from solar_env.mechanics.bodies.cable_element.tangent import ElementSlopes, make_element_slopes
-from solar_env.mechanics.bodies.dispatch import add_internal_slopes
+from solar_env.mechanics.bodies.cable_element.tangent import ElementSlopes, add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.bodies.markers import fill_slopes, subtract_hessian
 from solar_env.mechanics.equations.cable_tangent import add_cable_slopes
 from solar_env.mechanics.equations.system import Workspace
-from solar_env.mechanics.joints.contact.normal_force import normal_force
-from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.friction.laws import MATERIAL, PLACES
-from solar_env.mechanics.joints.joint import relative, relative_velocity
-from solar_env.mechanics.joints.sliding import contact_motion, sliding_share
+from solar_env.mechanics.joints.contact import contact_motion, friction_share, normal_force, sliding_share
+from solar_env.mechanics.joints.joint import relative
+from solar_env.mechanics.joints.laws import MATERIAL, PLACES
 from solar_env.mechanics.joints.torques import hinge_torques, summed_torque
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry, clear
@@ -83,14 +80,12 @@ def local_map(joint, markers, q, v, index, b, rate_slope):
 
 @kernel(inner=True)
 def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_speed, stiffness, damping):
-    """Add the slopes of (force x, force y, outboard torque, inboard torque); returns the tangential force and lever.
+    """Add the slopes of (force x, force y, outboard torque, inboard torque) by the local coordinates and their rates.
 
-    Args:
-        stiffness: (4, 4) slopes by the local coordinates, changed in place.
-        damping: (4, 4) slopes by their rates, changed in place.
+    Returns the tangential force and its lever.
     """
     ex, ey = relative(joint, markers, q)
-    ux, uy = relative_velocity(joint, markers, q, v)
+    ux, uy = relative(joint, markers, v)
     motion = contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin)
     rate, radius, lever = motion.rate, motion.radius, motion.lever
     if motion.depth <= 0.0:
@@ -207,4 +202,4 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
     for k in range(model.loads.size):
         load = model.loads[k]
         subtract_hessian(markers[load.marker], q, load.torque, elimination, by_q)
-    add_internal_slopes(model, q, v, tangent.elements, by_q, by_v)
+    add_elastic_tangents(model.cable_elements, q, v, tangent.elements, elimination, by_q, by_v)

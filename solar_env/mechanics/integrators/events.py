@@ -4,7 +4,7 @@ import numpy as np
 
 from solar_env.mechanics.arrays.model import CLEARANCE, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK
 from solar_env.mechanics.integrators.methods.table import angle_of, cut_of, depth_of, open_contact_of
-from solar_env.mechanics.joints.contact.normal_force import impact_scales
+from solar_env.mechanics.joints.contact import impact_scales
 from solar_env.mechanics.joints.torques import stop_depth
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import latch

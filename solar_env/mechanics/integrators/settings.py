@@ -86,7 +86,7 @@ class ModalRadau(RungeKutta):
 
     Of the local error, contact depths are relative to themselves, and where every joint has clearance velocities are
     relative to the hinges' rates times the longest body if that is less than velocity_scale, down to a hundredth of it.
-    Mechanisms with drives, guides or load torques are refused.
+    Mechanisms with drives or loads are refused.
     """
 
     rtol: float = 1e-3

@@ -119,13 +119,7 @@ def inner_wheel_rate(cable, joints, markers, q, v, rate):
 
 @kernel(inlined=True)
 def end_torques(cable, joints, torque):
-    """Torques [N m] of the wheels on what they turn against: at the inner and at the outer joint.
-
-    Args:
-        cable: row of the loop.
-        joints: of the model.
-        torque: of the loop on its outer joint [N m].
-    """
+    """Torques [N m] of the wheels on what they turn against, inner and outer, by the loop's on its outer joint."""
     return -cable.torque_ratio * torque * joints[cable.joint_a].sign, -torque * joints[cable.joint_b].sign
 
 
@@ -142,13 +136,7 @@ def chord_force(cable, markers, q, moment, pull):
 def move_to_chord(cable, joints, markers, q, torque, pull, force):
     """Turn the torques on the slopes of a carrier's ends, as of the joints, into forces at the chord's ends.
 
-    Args:
-        cable: row of a loop with a chord of its own.
-        joints, markers: of the model.
-        q: (n,) coordinates.
-        torque: of the loop on its outer joint [N m].
-        pull: on the wheels' centres [N].
-        force: (n,) generalized force, changed.
+    The loop has a chord of its own, a torque [N m] on its outer joint, and a pull [N] on the wheels' centres.
     """
     inner, outer = end_torques(cable, joints, torque)
     add_torque(markers[joints[cable.joint_a].outboard], q, -inner, force)

@@ -22,9 +22,7 @@ from solar_env.mechanics.arrays.columns import (
 )
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, place
 from solar_env.mechanics.joints.cable_loop import belt_loads, inner_wheel_rate, move_to_chord, wheel_motion
-from solar_env.mechanics.joints.contact.normal_force import normal_force
-from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.sliding import contact_motion
+from solar_env.mechanics.joints.contact import contact_motion, friction_share, normal_force
 from solar_env.mechanics.joints.torques import (
     add_cable_power,
     add_torque_powers,
@@ -38,23 +36,17 @@ from solar_env.mechanics.numerics.jit import kernel
 
 @kernel(inlined=True)
 def relative(joint, markers, q):
-    """Journal centre minus bearing centre [m]."""
+    """Journal centre minus bearing centre [m] from coordinates, or its rate [m/s] from velocities."""
     ox, oy = place(markers[joint.outboard], q)
     ix, iy = place(markers[joint.inboard], q)
     return ox - ix, oy - iy
 
 
 @kernel(inlined=True)
-def relative_velocity(joint, markers, q, v):
-    """Velocity of the journal centre minus that of the bearing centre [m/s]."""
-    return relative(joint, markers, v)
-
-
-@kernel(inlined=True)
 def penetration(joint, markers, q, v):
     """Penetration depth [m], negative for a gap, and its rate [m/s]."""
     ex, ey = relative(joint, markers, q)
-    ux, uy = relative_velocity(joint, markers, q, v)
+    ux, uy = relative(joint, markers, v)
     radius = math.sqrt(ex * ex + ey * ey)
     if radius == 0.0:
         return -joint.clearance, math.sqrt(ux * ux + uy * uy)
@@ -112,11 +104,7 @@ def joint_torques(model, joint_states, q, v, loads, force, power):
 def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
     """Evaluate every joint: fill `loads` and `power`, add the generalized forces to `force`.
 
-    Args:
-        impact_speeds: (joints,) speed with which the present contact began; 0 means that the journal flies freely
-            and no contact force acts in this step.
-        loads: (joints, LOAD_COLUMNS), filled.
-        power: time derivatives of the state's integrals, filled.
+    Where a joint's impact speed is zero the journal flies freely, and no contact force acts in this step.
     """
     joint_torques(model, joint_states, q, v, loads, force, power)
     joints, markers = model.joints, model.markers
@@ -131,7 +119,7 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
         if joint.kind == m.CLEARANCE:
             ex, ey = relative(joint, markers, q)
             if impact_speeds[j] > 0.0:
-                ux, uy = relative_velocity(joint, markers, q, v)
+                ux, uy = relative(joint, markers, v)
                 motion = contact_motion(joint, ex, ey, ux, uy, loads[j, OUTBOARD_SPIN], loads[j, INBOARD_SPIN])
                 if motion.depth > 0.0:
                     normal, elastic, _, _ = normal_force(joint, motion.depth, motion.rate, impact_speeds[j])

@@ -149,14 +149,9 @@ def add_torque_powers(torques, rate, weight, j, out):
 
 @kernel(inlined=True)
 def add_cable_power(cable, torque, rate, weight, out):
-    """Add `weight` times the power of a cable loop; it has none unless the ratio of torques differs from the wheels'.
+    """Add `weight` times a cable loop's power, at the inner wheel's rate [rad/s], to the integrals or their rates.
 
-    Args:
-        cable: row of the loop.
-        torque: on its outer joint [N m].
-        rate: of the inner wheel's angle [rad/s].
-        weight: of the power.
-        out: integrals, or their rates.
+    It has none unless the ratio of torques differs from the wheels'.
     """
     power = torque * (cable.wheel_ratio - cable.torque_ratio) * rate
     out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += weight * power

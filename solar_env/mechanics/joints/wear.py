@@ -20,12 +20,8 @@ def pressed_half_angle(depth, clearance):
 def add_wear(depths, angle, half_angle, depth_increment_times_arc, radius):
     """Spread a wear increment over the bins that the arc angle +- half_angle covers, each by its covered share.
 
-    Args:
-        depths: (bins,) wear depths [m], changed in place; bin b spans [b, b + 1) * 2 pi / bins.
-        angle: middle of the pressed arc in the surface's own frame [rad].
-        half_angle: half of the pressed arc [rad].
-        depth_increment_times_arc: worn cross-section area [m2] = worn volume / bearing width.
-        radius: radius of the surface [m].
+    Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's own frame. The increment is the worn
+    cross-section area [m2], the radius that of the surface [m].
     """
     bins = depths.size
     width = 2.0 * math.pi / bins

@@ -78,16 +78,7 @@ def cantilever(
     angle: float = 0.0,
     gravity: Point = (0.0, 0.0),
 ) -> Mechanism:
-    """A beam clamped at the origin under dead loads at its tip.
-
-    Args:
-        beam: a panel of the solar array if not given.
-        elements: number of elements.
-        tip_force: in inertial axes [N].
-        tip_torque: [N m].
-        angle: of the beam from the x axis [rad].
-        gravity: [m/s2].
-    """
+    """A beam clamped at the origin, at an angle from the x axis, under dead loads at its tip."""
     load = Load(BEAM, (beam.length, 0.0), tip_force, tip_torque)
     return Mechanism(
         (beam.body(elements, angle),), _pivot(), drives=(Drive(BEAM, angle, 0.0),), loads=(load,), gravity=gravity
@@ -97,14 +88,7 @@ def cantilever(
 def spin_up_beam(
     beam: Beam = SPIN_UP_BEAM, elements: int = 16, rate: float = 6.0, ramp_time: float = 15.0
 ) -> Mechanism:
-    """A beam whose root is turned from rest up to a constant rate (Simo and Vu-Quoc 1986).
-
-    Args:
-        beam: theirs if not given.
-        elements: number of elements.
-        rate: final rate [rad/s].
-        ramp_time: [s].
-    """
+    """A beam whose root is turned from rest up to a constant rate (Simo and Vu-Quoc 1986)."""
     drive = Drive(BEAM, 0.0, rate, ramp_time=ramp_time)
     return Mechanism((beam.body(elements),), _pivot(), drives=(drive,))
 
@@ -112,14 +96,7 @@ def spin_up_beam(
 def flexible_pendulum(
     beam: Beam = PENDULUM_BEAM, elements: int = 12, angle: float = 0.0, gravity: float = STANDARD_GRAVITY
 ) -> Mechanism:
-    """A beam pinned at the origin and released at rest (Berzeri and Shabana 2000).
-
-    Args:
-        beam: theirs if not given.
-        elements: number of elements.
-        angle: of the beam from the x axis at t = 0 [rad].
-        gravity: towards -y [m/s2]; 0 leaves a pinned-free beam.
-    """
+    """A beam pinned at the origin and released at rest (Berzeri and Shabana 2000); gravity towards -y."""
     return Mechanism((beam.body(elements, angle),), _pivot(), gravity=(0.0, -gravity))
 
 
@@ -131,14 +108,5 @@ def free_beam(
     angle: float = 0.0,
     loads: tuple[Load, ...] = (),
 ) -> Mechanism:
-    """A beam without supports.
-
-    Args:
-        beam: a panel of the solar array if not given.
-        elements: number of elements.
-        velocity: of the first end at t = 0 [m/s].
-        spin: angular velocity at t = 0 [rad/s].
-        angle: of the beam from the x axis at t = 0 [rad].
-        loads: on the body `BEAM`.
-    """
+    """A beam without supports; the velocity is that of its first end, the loads act on the body `BEAM`."""
     return Mechanism((beam.body(elements, angle, velocity, spin),), loads=loads)

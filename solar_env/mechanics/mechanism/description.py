@@ -12,9 +12,7 @@ from solar_env.mechanics.bodies.description import Body as Body
 from solar_env.mechanics.bodies.description import FlexibleBody as FlexibleBody
 from solar_env.mechanics.bodies.description import ModalPanel as ModalPanel
 from solar_env.mechanics.bodies.description import Point as Point
-from solar_env.mechanics.joints.contact.laws import ContactLaw
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionLaw
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw
 from solar_env.mechanics.numerics.checks import require as _require
 from solar_env.mechanics.numerics.checks import require_finite as _require_finite
 from solar_env.mechanics.numerics.checks import require_signs as _require_signs
@@ -66,7 +64,7 @@ class Bearing:
         contact: law of the normal force.
         minimum_impact_speed: lower bound of the impact speed in the contact law [m/s].
         friction_coefficient: Coulomb's.
-        friction: law of the share of Coulomb's force that acts.
+        friction_speeds: sliding speeds at which friction sets in, and from which on it is Coulomb's [m/s].
         sliding: speed that friction and wear go by: "material" for that of the material points in contact, "centres"
             for that of the joint's centres, "places" for that of the places of contact, which travel round with the
             line of centres: some percent of it (paper, Eq 35 as printed; both leave the bodies' rotation out).
@@ -76,10 +74,10 @@ class Bearing:
 
     clearance: float
     journal_radius: float
-    contact: ContactLaw
+    contact: PowerLaw
     minimum_impact_speed: float = 1e-4
     friction_coefficient: float = 0.0
-    friction: FrictionLaw = field(default_factory=RampedCoulomb)
+    friction_speeds: tuple[float, float] = (1e-4, 1e-3)
     sliding: str = "material"
     wear_coefficient: float = 0.0
     width: float = 1.0
@@ -88,6 +86,8 @@ class Bearing:
         _require_finite(self)
         positive = ("clearance", "journal_radius", "minimum_impact_speed", "width")
         _require_signs(self, positive, not_negative=("friction_coefficient", "wear_coefficient"))
+        zero, full = self.friction_speeds
+        _require(0.0 <= zero < full, self, "friction_speeds", self.friction_speeds, "must satisfy 0 <= first < second")
         _require(self.sliding in SLIDING_READINGS, self, "sliding", self.sliding, f"must be one of {SLIDING_READINGS}")
 
 
@@ -169,20 +169,6 @@ class CableLoop:
 
 
 @dataclass(frozen=True)
-class Guide:
-    """Keeps a point of a body on the line normal . r = offset."""
-
-    body: str
-    point: Point
-    normal: Point
-    offset: float = 0.0
-
-    def __post_init__(self) -> None:
-        _require_finite(self)
-        _require(abs(math.hypot(*self.normal) - 1.0) < 1e-12, self, "normal", self.normal, "must have length 1")
-
-
-@dataclass(frozen=True)
 class Drive:
     """Prescribes a body's direction at a point: angle + rate * t, or a smooth run-up to that rate.
 
@@ -239,7 +225,6 @@ class Mechanism:
     bodies: tuple[AnyBody, ...]
     joints: tuple[Joint, ...] = ()
     cables: tuple[CableLoop, ...] = ()
-    guides: tuple[Guide, ...] = ()
     drives: tuple[Drive, ...] = ()
     loads: tuple[Load, ...] = ()
     gravity: Point = (0.0, 0.0)
@@ -256,7 +241,7 @@ class Mechanism:
         for joint in self.joints:
             for side in (joint.inboard, joint.outboard):
                 _require(side in known, joint, "body", side, f"is not a body of the mechanism {sorted(known)}")
-        attached: list[Guide | Drive | Load] = [*self.guides, *self.drives, *self.loads]
+        attached: list[Drive | Load] = [*self.drives, *self.loads]
         for part in attached:
             _require(part.body != GROUND, part, "body", part.body, "does not move; attach to a body")
             _require(part.body in known, part, "body", part.body, f"is not a body of the mechanism {sorted(known)}")

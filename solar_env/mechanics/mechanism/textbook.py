@@ -1,9 +1,7 @@
 """Textbook mechanisms as descriptions of the same parts that the solar array is built from.
 
-Links are straight, with the centroid at mid-length unless a function says otherwise; x points to the right, y
-up, and link angles are measured from the x axis, counter-clockwise positive. All quantities in SI units.
-Every initial state meets the constraints: positions and velocities follow from the crank's by closing the
-loop, and the journals of clearance joints start centred.
+x points to the right, y up, and link angles are measured from the x axis, counter-clockwise positive. All quantities in
+SI units. Every initial state meets the constraints; the journals of clearance joints start centred unless said.
 """
 
 from __future__ import annotations
@@ -13,12 +11,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from solar_env.mechanics.joints.contact import lankarani_nikravesh
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Drive, Guide, Joint, Mechanism, Point
+from solar_env.mechanics.joints.laws import PowerLaw, lankarani_damping
+from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Drive, Joint, Mechanism, Point
 
 STANDARD_GRAVITY = 9.81  # m/s2, as textbooks round it
-SLIDER_CRANK_PINS = ("ground-crank", "crank-rod", "rod-slider")
 FOUR_BAR_PINS = ("ground-crank", "crank-coupler", "coupler-rocker", "ground-rocker")
 
 
@@ -47,18 +43,6 @@ class Link:
         return replace(body, position=(position.real, position.imag), velocity=(velocity.real, velocity.imag))
 
 
-# Inboard body, outboard body, and the pin in the frame of each.
-_Pin = tuple[str, str, Point, Point]
-
-
-def _pinned(pins: Mapping[str, _Pin], clearances: Mapping[str, Bearing] | None) -> tuple[Joint, ...]:
-    bearings = dict(clearances or {})
-    joints = tuple(Joint(name, *pin, bearing=bearings.pop(name, None)) for name, pin in pins.items())
-    if bearings:
-        raise ValueError(f"clearances name the unknown pin {min(bearings)!r}; the pins are {', '.join(pins)}")
-    return joints
-
-
 def pendulum(
     length: float = 1.0, mass: float = 1.0, angle: float = 0.0, gravity: float = STANDARD_GRAVITY
 ) -> Mechanism:
@@ -66,120 +50,23 @@ def pendulum(
 
     The body has equal point masses at both ends, of which the one in the pin does not move; so its inertia is
     regular and the multiplier of its length is exactly the link's tension divided by the length [N/m].
-
-    Args:
-        length: [m].
-        mass: of the bob [kg].
-        angle: of the link from the x axis at t = 0 [rad]; 0 is horizontal.
-        gravity: towards -y [m/s2].
-
-    Raises:
-        ValueError: if length or mass is not positive.
     """
     body = Link(length, 2.0 * mass, 0.5 * mass * length**2).body("bob", 0j, angle, 0j, 0.0)
     joint = Joint("pivot", GROUND, "bob", (0.0, 0.0), (0.0, 0.0))
     return Mechanism((body,), (joint,), gravity=(0.0, -gravity))
 
 
-def double_pendulum(
-    upper: Link | None = None,
-    lower: Link | None = None,
-    angles: tuple[float, float] = (0.0, 0.0),
-    spins: tuple[float, float] = (0.0, 0.0),
-    gravity: float = STANDARD_GRAVITY,
-) -> Mechanism:
-    """Two links in a row, the upper one pinned at the origin.
-
-    Args:
-        upper, lower: slender rods of 1 m and 1 kg if not given.
-        angles: of both links from the x axis at t = 0 [rad].
-        spins: angular velocities at t = 0 [rad/s].
-        gravity: towards -y [m/s2].
-    """
-    upper = upper or Link.slender(1.0, 1.0)
-    lower = lower or Link.slender(1.0, 1.0)
-    elbow = cmath.rect(upper.length, angles[0])
-    bodies = (
-        upper.body("upper link", 0j, angles[0], 0j, spins[0]),
-        lower.body("lower link", elbow, angles[1], 1j * spins[0] * elbow, spins[1]),
-    )
-    joints = (
-        Joint("shoulder", GROUND, "upper link", (0.0, 0.0), (0.0, 0.0)),
-        Joint("elbow", "upper link", "lower link", (upper.length, 0.0), (0.0, 0.0)),
-    )
-    return Mechanism(bodies, joints, gravity=(0.0, -gravity))
-
-
 def flores_bearing(clearance: float = 5e-4) -> Bearing:
-    """Bearing of Flores' slider-crank: radius 10 mm, friction 0.03, Lankarani-Nikravesh with restitution 0.9.
+    """Bearing of a radial clearance [m], of P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8.
 
-    P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8.
-
-    Args:
-        clearance: radial [m]; the journal's radius is what it leaves of the bearing's.
-
-    Raises:
-        ValueError: if the clearance is not positive or exceeds the bearing's radius.
+    Radius 10 mm, friction 0.03, Lankarani-Nikravesh with restitution 0.9.
     """
     return Bearing(
         clearance=clearance,
         journal_radius=0.010 - clearance,
-        contact=PowerLaw(6.61e10, damping=lankarani_nikravesh.damping(0.9)),
+        contact=PowerLaw(6.61e10, damping=lankarani_damping(0.9)),
         friction_coefficient=0.03,
     )
-
-
-def slider_crank(
-    crank: Link | None = None,
-    rod: Link | None = None,
-    slider_mass: float = 0.14,
-    crank_rate: float = 5000.0 * 2.0 * math.pi / 60.0,
-    crank_angle: float = 0.0,
-    gravity: float = 0.0,
-    clearances: Mapping[str, Bearing] | None = None,
-) -> Mechanism:
-    """Slider-crank with a crank that turns at a constant rate; the slider moves freely along the x axis.
-
-    The defaults are those of P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8, without
-    gravity: crank 0.05 m, 0.30 kg, 1e-4 kg m2; rod 0.12 m, 0.21 kg, 2.5e-4 kg m2; slider 0.14 kg; 5000 rpm.
-
-    Args:
-        crank, rod: links; None takes the defaults.
-        slider_mass: [kg].
-        crank_rate: [rad/s].
-        crank_angle: at t = 0 [rad].
-        gravity: towards -y [m/s2].
-        clearances: bearings by pin, a name of SLIDER_CRANK_PINS; pins that are left out are ideal.
-
-    Raises:
-        ValueError: if a pin is unknown, or the rod is too short for the crank angle.
-    """
-    crank = crank or Link(0.05, 0.30, 1e-4)
-    rod = rod or Link(0.12, 0.21, 2.5e-4)
-    crank_pin = cmath.rect(crank.length, crank_angle)
-    if not abs(crank_pin.imag) < rod.length:
-        raise ValueError(f"rod.length = {rod.length!r} m is too short for crank_angle = {crank_angle!r}")
-    rod_angle = math.asin(-crank_pin.imag / rod.length)
-    crank_pin_velocity = 1j * crank_rate * crank_pin
-    rod_spin = -crank_pin_velocity.imag / (rod.length * math.cos(rod_angle))
-    along = cmath.rect(rod.length, rod_angle)
-    slider_velocity = (crank_pin_velocity + 1j * rod_spin * along).real
-    size = crank.length  # of the slider's frame; any will do, for the slider does not turn
-    place, motion = ((crank_pin + along).real, 0.0), (slider_velocity, 0.0)
-    bodies = (
-        crank.body("crank", 0j, crank_angle, 0j, crank_rate),
-        rod.body("rod", crank_pin, rod_angle, crank_pin_velocity, rod_spin),
-        Body("slider", slider_mass, slider_mass * size**2 / 12.0, size, (0.0, 0.0), position=place, velocity=motion),
-    )
-    pins: dict[str, _Pin] = {
-        "ground-crank": (GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),
-        "crank-rod": ("crank", "rod", (crank.length, 0.0), (0.0, 0.0)),
-        "rod-slider": ("rod", "slider", (rod.length, 0.0), (0.0, 0.0)),
-    }
-    joints = _pinned(pins, clearances)
-    guides = tuple(Guide("slider", (x, 0.0), (0.0, 1.0)) for x in (0.0, size))
-    drives = (Drive("crank", crank_angle, crank_rate),)
-    return Mechanism(bodies, joints, guides=guides, drives=drives, gravity=(0.0, -gravity))
 
 
 def four_bar(
@@ -203,7 +90,7 @@ def four_bar(
         crank_rate: [rad/s].
         crank_angle: at t = 0 [rad].
         gravity: towards -y [m/s2].
-        clearances: bearings by pin, a name of FOUR_BAR_PINS; pins that are left out are ideal.
+        clearances: bearings by pin, a name of FOUR_BAR_PINS; the other pins are ideal.
 
     Raises:
         ValueError: if a pin is unknown, or the links do not close at the crank angle.
@@ -229,13 +116,17 @@ def four_bar(
         coupler.body("coupler", crank_pin, coupler_angle, 1j * crank_rate * crank_pin, coupler_spin),
         rocker.body("rocker", complex(ground_length), rocker_angle, 0j, rocker_spin),
     )
-    pins: dict[str, _Pin] = {
-        "ground-crank": (GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),
-        "crank-coupler": ("crank", "coupler", (crank.length, 0.0), (0.0, 0.0)),
-        "coupler-rocker": ("coupler", "rocker", (coupler.length, 0.0), (rocker.length, 0.0)),
-        "ground-rocker": (GROUND, "rocker", (ground_length, 0.0), (0.0, 0.0)),
-    }
-    joints = _pinned(pins, clearances)
+    bearings = dict(clearances or {})
+    places: tuple[tuple[str, str, Point, Point], ...] = (
+        (GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),
+        ("crank", "coupler", (crank.length, 0.0), (0.0, 0.0)),
+        ("coupler", "rocker", (coupler.length, 0.0), (rocker.length, 0.0)),
+        (GROUND, "rocker", (ground_length, 0.0), (0.0, 0.0)),
+    )
+    pins = zip(FOUR_BAR_PINS, places, strict=True)
+    joints = tuple(Joint(name, *place, bearing=bearings.pop(name, None)) for name, place in pins)
+    if bearings:
+        raise ValueError(f"clearances name the unknown pin {min(bearings)!r}; the pins are {', '.join(FOUR_BAR_PINS)}")
     drives = (Drive("crank", crank_angle, crank_rate),)
     return Mechanism(bodies, joints, drives=drives, gravity=(0.0, -gravity))
 
@@ -253,11 +144,9 @@ def bouncing_block(
     """
     radius = bearing.journal_radius
     block = Body("block", mass, 0.5 * mass * radius**2, radius, (0.0, 0.0), velocity=(speed, 0.0))
-    if housing_mass is None:
-        return Mechanism((block,), (Joint("gap", GROUND, "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing),))
-    housing = Body("housing", housing_mass, housing_mass * radius**2, radius, (0.0, 0.0))
-    joint = Joint("gap", "housing", "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing)
-    return Mechanism((housing, block), (joint,))
+    housing = Body("housing", housing_mass or 1.0, (housing_mass or 1.0) * radius**2, radius, (0.0, 0.0))
+    inboard, bodies = (GROUND, (block,)) if housing_mass is None else (housing.name, (housing, block))
+    return Mechanism(bodies, (Joint("gap", inboard, "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing),))
 
 
 def loaded_journal(

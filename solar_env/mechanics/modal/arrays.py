@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.columns import LOAD_COLUMNS, SHARED_COLUMNS
 from solar_env.mechanics.arrays.model import ENERGIES, record
-from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
+from solar_env.mechanics.arrays.trial import joint_motion_type, trial_type
 from solar_env.mechanics.modal.panel.oscillators import COEFFICIENTS
 from solar_env.mechanics.modal.panel.tables import Panels, Tables, make_tables, panel_scratch
 
@@ -194,8 +194,8 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
     joints, cables, zeros = model.joints.size, model.cables.size, np.zeros
     unknowns = 3 * joints + cables
     return Workspace(
-        trial=make_trial(),
-        motion=make_joint_motions(joints),
+        trial=np.zeros(1, trial_type),
+        motion=np.zeros(joints, joint_motion_type),
         bodies=zeros(model.bodies.size, body_scratch),
         attachments=zeros(model.attachments.size, attachment_scratch),
         joints=zeros(joints, joint_scratch),

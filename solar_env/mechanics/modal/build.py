@@ -146,7 +146,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         ValueError: if a part is there that the modal method does not take, if a joint attaches to a panel elsewhere
             than at an end, or if panels differ in their number of modes.
     """
-    for name in ("guides", "drives", "loads"):
+    for name in ("drives", "loads"):
         if getattr(mechanism, name):
             raise ValueError(f"mechanism.{name}: ModalRadau takes none; choose another integrator, and no ModalPanel")
     stand_in = replace(mechanism, bodies=tuple(rigid_stand_in(body) for body in mechanism.bodies))

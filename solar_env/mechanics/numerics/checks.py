@@ -1,25 +1,17 @@
-"""Refusal of bad parameters: one sentence with the owner, the quantity, its value and the rule."""
+"""Refusal of bad parameters by a ValueError: one sentence with the owner, the quantity, its value and the rule."""
 
 import math
 from dataclasses import fields
 
 
 def require(condition: bool, owner: object, name: str, value: object, rule: str) -> None:
-    """Check a rule about the quantity `name` of a description.
-
-    Raises:
-        ValueError: if the condition does not hold.
-    """
+    """Check a rule about the quantity `name` of a description."""
     if not condition:
         raise ValueError(f"{type(owner).__name__}.{name} = {value!r}: {rule}")
 
 
 def require_signs(owner: object, positive: tuple[str, ...] = (), not_negative: tuple[str, ...] = ()) -> None:
-    """Check that some quantities of a description are positive, and others not negative.
-
-    Raises:
-        ValueError: if one is of another sign.
-    """
+    """Check that some quantities of a description are positive, and others not negative."""
     for name in positive:
         require(getattr(owner, name) > 0.0, owner, name, getattr(owner, name), "must be positive")
     for name in not_negative:
@@ -27,22 +19,14 @@ def require_signs(owner: object, positive: tuple[str, ...] = (), not_negative: t
 
 
 def require_count(owner: object, name: str, least: int, greatest: int) -> None:
-    """Check that a quantity of a description is a whole number between two bounds.
-
-    Raises:
-        ValueError: if it is none.
-    """
+    """Check that a quantity of a description is a whole number between two bounds."""
     value = getattr(owner, name)
     require(type(value) is int, owner, name, value, "must be a whole number")
     require(least <= value <= greatest, owner, name, value, f"must lie between {least} and {greatest}")
 
 
 def require_finite(owner: object, *skip: str) -> None:
-    """Check that the numbers of a description are finite, but for the fields named in `skip`.
-
-    Raises:
-        ValueError: if one is not.
-    """
+    """Check that the numbers of a description are finite, but for the fields named in `skip`."""
     for item in fields(owner):  # type: ignore[arg-type]
         value = getattr(owner, item.name)
         if item.name in skip:

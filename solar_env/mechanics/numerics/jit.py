@@ -6,15 +6,17 @@ file and of every file of the package that this imports, so that any edit compil
 """
 
 import hashlib
+import os
 import re
+import warnings
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numba
-
-from solar_env.mechanics.numerics.kernel_cache import KernelCache, cache_root, private_folder
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+from platformdirs import user_cache_path
 
 _PACKAGE = Path(__file__).resolve().parents[2]
 
@@ -46,16 +48,59 @@ def kernel_sources(path: Path) -> list[Path]:
 
 @cache
 def cache_folder(path: Path) -> str:
-    """Folder of the compiled kernels of a source file; it is there and can be written.
+    """Folder of the compiled kernels of a source file, in `NUMBA_CACHE_DIR` or the user's cache folder.
 
     Raises:
-        OSError: if there is none, or others can write there.
+        OSError: if it cannot be made, or others can write there: what is in the cache is executed.
     """
     digest = hashlib.sha256()
     for source in kernel_sources(path):
         digest.update(source.relative_to(_PACKAGE).as_posix().encode())
         digest.update(source.read_bytes())
-    return str(private_folder(cache_root() / digest.hexdigest()[:16]))
+    root = Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("solar_env", appauthor=False))
+    folder = root / digest.hexdigest()[:16]
+    for place in (root, folder):
+        try:
+            place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        except OSError as error:
+            text = f"{place}, for compiled kernels, cannot be made ({error.strerror})"
+            raise OSError(f"{text}; set NUMBA_CACHE_DIR to another folder") from error
+        found = place.stat()
+        if hasattr(os, "getuid") and (found.st_uid != os.getuid() or found.st_mode & 0o022):
+            raise OSError(
+                f"others can write in {place}, whose compiled kernels are executed; delete it (rm -r), or set "
+                "NUMBA_CACHE_DIR to a folder of your own"
+            )
+    return str(folder)
+
+
+class KernelCache(FunctionCache):
+    """Numba's cache of a function, of which nothing damaged is loaded and no failure to write ends a run.
+
+    Its folder is Numba's setting `CACHE_DIR`, whose name says of which sources the kernels are; neither place nor time
+    of the source file does.
+    """
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)
+        self._cache_path = self._impl.locator._cache_path = numba.config.CACHE_DIR
+        name = self._impl.filename_base
+        self._cache_file = IndexDataCacheFile(cache_path=self._cache_path, filename_base=name, source_stamp="")
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load what was compiled for a signature; None where there is nothing, or what is there is damaged."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # whatever unpickling or linking makes of bytes that are no longer what was written
+            self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what was compiled, if it can be written."""
+        try:
+            super().save_overload(sig, data)
+        except Exception as error:  # a full disk, or an index that is damaged
+            warnings.warn(f"compiled kernels could not be kept, later runs compile them anew: {error}", stacklevel=2)
 
 
 def kernel(

@@ -48,13 +48,7 @@ def latch(state, j, time):
 def wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_work):
     """Wear both surfaces of joint `j` by the sliding work [J] of one accepted step.
 
-    Args:
-        joint: its row.
-        state: of the mechanism.
-        j: its index.
-        journal_angle, bearing_angle: of the line of centres, in the frames of the two bodies [rad].
-        depth: of the contact [m].
-        sliding_work: of the step [J].
+    The angles [rad] are those of the line of centres in the frames of the two bodies.
     """
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
     worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width

@@ -16,13 +16,12 @@ from solar_env.mechanics.arrays.lanes import allocate_lanes, check_structure, co
 from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.records.recording import Recorder, make_recorder
-from solar_env.mechanics.running.accuracy import STEPS_BETWEEN_LOOKS
 from solar_env.mechanics.running.errors import SimulationError
-from solar_env.mechanics.running.pace import Pace
-from solar_env.mechanics.running.simulation import Simulation
+from solar_env.mechanics.running.simulation import STEPS_BETWEEN_LOOKS, STEPS_PER_CALL, Simulation
 
 # Time that a further thread must save [s]: waking one takes about as long.
 _WORK_FOR_A_THREAD = 1e-4
+_FEWEST_STEPS_PER_CALL = 1100  # of a lane: more than the events at once that a call must see to give up
 
 
 class Batch:
@@ -67,7 +66,6 @@ class Batch:
         self._statuses, self._counter = np.zeros(count, dtype=np.int64), np.zeros(1, dtype=np.int64)
         self._steps, self._last_steps, self._steps_looked = (np.zeros(count, dtype=np.int64) for _ in range(3))
         self._work_expected = math.inf
-        self._pace = Pace()
         self._process = os.getpid()
         self.simulations = list(simulations)
         for lane, simulation in enumerate(simulations):
@@ -140,13 +138,10 @@ class Batch:
         left, clock = self.integrator.max_steps, self.states.clock
         while queue.size and left > 0:
             threads = max(1, int(min(self.threads, queue.size, self._work_expected / _WORK_FOR_A_THREAD)))
-            allowed = min(self._pace.begin(queue.size / threads), left)
-            since = self._times.copy()
+            allowed = min(max(STEPS_PER_CALL * threads // queue.size, _FEWEST_STEPS_PER_CALL), left)
             self._advance_once(queue, end_times, allowed, threads)
             left -= allowed
             queue = queue[self._statuses[queue] == m.TOO_MANY_STEPS]
-            if queue.size:
-                self._pace.stopped(allowed, queue.size / threads, bool((self._times > since)[queue].all()))
         steps = clock["steps"][:, 0]
         np.subtract(steps, self._steps, out=self._last_steps)
         self._steps[:] = steps
@@ -157,11 +152,7 @@ class Batch:
             self._steps_looked[lane] = steps[lane]
             if lane not in failed:
                 self.simulations[lane].check()
-        return {int(lane): self._failure(int(lane)) for lane in failed}
-
-    @property
-    def _times(self) -> NDArray[np.float64]:
-        return self.states.clock["time"][:, 0]
+        return {int(lane): self.simulations[lane].failure(int(self._statuses[lane])) for lane in failed}
 
     def _advance_once(
         self, queue: NDArray[np.int64], end_times: NDArray[np.float64], allowed: int, threads: int
@@ -194,13 +185,6 @@ class Batch:
             self._statuses,
             self._arrays[thread],
         )
-
-    def _failure(self, lane: int) -> SimulationError:
-        try:
-            self.simulations[lane].raise_unless_done(int(self._statuses[lane]))
-        except SimulationError as error:
-            return error
-        raise AssertionError
 
     @property
     def _pool(self) -> ThreadPoolExecutor:

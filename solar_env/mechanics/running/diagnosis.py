@@ -1,10 +1,11 @@
-"""Texts of warnings about finished runs: each names a quantity, its value, and what to do; empty if all is well.
+"""Warnings of runs that went on, but whose result is worse than its numbers look.
 
-A run that cannot go on raises (`errors.py`). One that went on, but whose result is worse than its numbers look, warns
-with a `SimulationWarning`. Plain Python: describing a mechanism needs no compiler.
+Each text names a quantity, its value, and what to do, and is empty if all is well. A run that cannot go on raises
+(`errors.py`). Plain Python: describing a mechanism needs no compiler.
 """
 
 import warnings
+from typing import Any
 
 # Of the energy that a run turned over: what the books may fail to account for.
 LARGEST_ENERGY_SHARE = 0.01
@@ -29,32 +30,32 @@ def warn(text: str) -> None:
         warnings.warn(text, SimulationWarning, stacklevel=2)
 
 
-def energy_text(time: float, residual: float, turnover: float, remedy: str) -> str:
-    """Whether the energy book closes.
+def shortcomings(run: Any) -> dict[str, str]:
+    """Texts by subject about a `Simulation` so far."""
+    return {
+        "energy": energy_shortcoming(run),
+        "forces": force_shortcoming(run),
+        "impacts": _impact_shortcoming(run),
+        "range": range_shortcoming(run),
+        "tolerance": _tolerance_shortcoming(run),
+    }
 
-    Args:
-        time: [s].
-        residual: energy that the books do not account for [J].
-        turnover: energy that the run turned over [J].
-        remedy: what to do.
-    """
+
+def energy_shortcoming(run: Any) -> str:
+    """Whether the energy book closes."""
+    residual, turnover = run.energy_book()
     if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:  # false for NaN
         return ""
     verb = "gained" if residual > 0.0 else "lost"
     return (
-        f"by t = {time:.6g} s the integration has {verb} {abs(residual):.3g} J that no force accounts for, "
-        f"{100.0 * abs(residual) / turnover:.2g} % of the {turnover:.3g} J turned over; {remedy}"
+        f"by t = {run.time:.6g} s the integration has {verb} {abs(residual):.3g} J that no force accounts for, "
+        f"{100.0 * abs(residual) / turnover:.2g} % of the {turnover:.3g} J turned over; {run.integrator.remedy}"
     )
 
 
-def modal_range_text(time: float, slope: float, spin_ratio: float) -> str:
-    """Whether modal panels bend or turn by more than their second order holds for.
-
-    Args:
-        time: [s].
-        slope: greatest slope of a panel's end against its frame so far [rad].
-        spin_ratio: greatest spin of a panel so far over the angular frequency of its lowest bending mode.
-    """
+def range_shortcoming(run: Any) -> str:
+    """Whether modal panels bend or turn by more than their second order holds for."""
+    slope, spin_ratio = run.formulation.modal_range(run.model, run.state)
     # The next term of the shortening of an arc, and the stiffness that the lowest mode gains from the inertia of the
     # turning frame.
     bent, turned = 0.25 * slope * slope, SPIN_STIFFENING * spin_ratio * spin_ratio
@@ -66,36 +67,33 @@ def modal_range_text(time: float, slope: float, spin_ratio: float) -> str:
         else f"have turned at {spin_ratio:.3g} of their lowest bending frequency"
     )
     return (
-        f"by t = {time:.6g} s the modal panels {what}: what their second order leaves out is "
+        f"by t = {run.time:.6g} s the modal panels {what}: what their second order leaves out is "
         f"{100.0 * max(bent, turned):.2g} % of what it keeps; use beam elements (FlexibleBody, '...:6 elements')"
     )
 
 
-def constraint_force_text(time: float, defect: float, largest: float) -> str:
-    """Whether multipliers are the forces that hold the constraints.
-
-    Args:
-        time: [s].
-        defect: greatest difference of a multiplier from the force that holds its constraint [N].
-        largest: greatest force that acts [N].
-    """
+def force_shortcoming(run: Any) -> str:
+    """Whether the multipliers of generalized-alpha are the forces that hold the constraints."""
+    if not run.integrator.settles_forces or run.state.clock["steps"][0] == 0:
+        return ""
+    defect, largest = run.constraint_force_defect()
     if defect <= LARGEST_FORCE_SHARE * largest:
         return ""
     return (
-        f"at t = {time:.6g} s the constraint forces of the integrator are off by {defect:.3g} N where the largest "
+        f"at t = {run.time:.6g} s the constraint forces of the integrator are off by {defect:.3g} N where the largest "
         f"force is {largest:.3g} N: with rho_inf near 1 they alternate from step to step, and steps of nanoseconds "
         "magnify rounding; choose rho_inf = 0.8 or another step, or do not use the peak forces of ideal joints"
     )
 
 
-def impact_step_text(steps: float, needed: int, duration: float) -> str:
-    """Whether a fixed step resolves an impact.
-
-    Args:
-        steps: per impact.
-        needed: steps that keep the error of its exit speed within 1 %.
-        duration: of the impact [s].
-    """
+def _impact_shortcoming(run: Any) -> str:
+    """Whether a fixed step resolves the latest impact of every joint."""
+    needed, durations = run.integrator.steps_needed_per_impact, run.state.joints["contact_duration"]
+    struck = durations > 0.0
+    if needed is None or not struck.any():
+        return ""
+    duration = float(durations[struck].min())
+    steps = duration / float(run.state.clock["last_step"][0])
     if steps >= needed:
         return ""
     return (
@@ -104,14 +102,10 @@ def impact_step_text(steps: float, needed: int, duration: float) -> str:
     )
 
 
-def tolerance_text(rtol: float, loosest: float) -> str:
-    """Whether a tolerance is too loose for single contacts to be trusted.
-
-    Args:
-        rtol: of the integrator.
-        loosest: up to which they can be.
-    """
-    if rtol <= loosest:
+def _tolerance_shortcoming(run: Any) -> str:
+    """Whether a tolerance is too loose for single contacts to be trusted."""
+    rtol, loosest = run.integrator.rtol, run.integrator.loosest_in_contact
+    if rtol is None or rtol <= loosest or not run.state.joints["contact_starts"].any():
         return ""
     return (
         f"at rtol = {rtol:g} a single contact may come out with ten times its force, whatever the energy book says; "
@@ -123,10 +117,6 @@ def restitution_text(law: str, asked: float, given: float) -> str:
     """Whether a contact law gives the coefficient of restitution that was asked for.
 
     The text is rounded, so that Python shows it once for values that are nearly the same.
-
-    Args:
-        law: name of the contact law.
-        asked, given: exit over entry speed (dimensionless).
     """
     if abs(given - asked) <= LARGEST_RESTITUTION_ERROR:
         return ""

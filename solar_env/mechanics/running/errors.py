@@ -69,14 +69,8 @@ _CAUSES = {
 }
 
 
-def raise_for_status(status: int, time: float, joint: int, value: float) -> None:
-    """Raise the `SimulationError` that belongs to a kernel's status code.
-
-    Args:
-        status: a code of `model.py` other than DONE and PAUSED.
-        time: last accepted time [s].
-        joint: index of the joint concerned, counted from 0, or -1.
-        value: the offending quantity.
-    """
-    reason, text = _CAUSES[status]
-    raise SimulationError(f"at t = {time:.9g} s {text.format(joint=joint + 1, value=value)}", time, reason)
+def failure(status: int, clock: Any) -> SimulationError:
+    """The error that belongs to a kernel's status code other than DONE and PAUSED, from the clock of the state."""
+    (reason, text), time = _CAUSES[status], float(clock["time"])
+    cause = text.format(joint=int(clock["failure_joint"]) + 1, value=float(clock["failure_value"]))
+    return SimulationError(f"at t = {time:.9g} s {cause}", time, reason)

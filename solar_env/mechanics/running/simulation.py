@@ -20,13 +20,15 @@ from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.records.recording import Recorder, make_recorder
-from solar_env.mechanics.running.accuracy import AccuracyWatch
-from solar_env.mechanics.running.assembly import assemble, contact_table, energy_flows
-from solar_env.mechanics.running.errors import raise_for_status
-from solar_env.mechanics.running.pace import Pace, tried_steps
-from solar_env.mechanics.running.sampling import sample_times
-from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.mechanics.running.diagnosis import force_shortcoming, range_shortcoming, shortcomings, warn
+from solar_env.mechanics.running.errors import SimulationError, failure
+from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table, energy_flows
 
+# Of a compiled call, whose end is the longest that Ctrl-C waits: some tenths of a second at most.
+STEPS_PER_CALL = 5000
+# Between looks at the accuracy of a run that goes on call by call: a look takes as long as some hundred steps.
+STEPS_BETWEEN_LOOKS = 10_000
+_MOST_SAMPLES = 10_000_000
 _CONTACTS_PER_DRAIN, _PROGRESS_CALLS = 4096, 20
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 
@@ -65,8 +67,8 @@ class Simulation:
         self.state.clock["initial_energy"] = energies.sum()
         self.state.clock["energy_scale"] = max(np.abs(energies).sum(), _SMALLEST_ENERGY_SCALE)
         self._unrecorded = make_recorder(self.model, self.state, np.zeros(0), 0)
-        self._watch = AccuracyWatch(self)
-        self._pace = Pace()
+        self._told: set[str] = set()
+        self._steps_looked = 0
 
     def _check_initial_state(self) -> None:
         values = self.formulation.drift(self.model, self.state)
@@ -74,7 +76,7 @@ class Simulation:
             if not value < 1e-9 * max(self.model.length_scale, 1.0):
                 raise ValueError(
                     f"the initial {quantity} violates a constraint by {value:.3g} {unit}; place the bodies so that "
-                    "joints, guides and drives are met"
+                    "joints and drives are met"
                 )
 
     def _engage_stops(self) -> None:
@@ -138,8 +140,8 @@ class Simulation:
     def advance(self, end_time: float, recorder: Recorder | None = None) -> None:
         """Advance to `end_time` [s], landing on it.
 
-        Every 10,000 steps the accuracy is looked at, as `check` does at any time; with generalized-alpha also the
-        latest impacts in every call, and constraint forces in the first calls.
+        Every 10,000 steps the accuracy is looked at, as `check` does at any time, and the constraint forces of
+        generalized-alpha after every call.
 
         Raises:
             ValueError: if `end_time` is not finite or lies before the present time.
@@ -154,16 +156,19 @@ class Simulation:
             raise ValueError(
                 f"end_time = {end_time!r} s must be finite and not before the present time {self.time!r} s"
             )
-        self.raise_unless_done(self._advance(end_time, recorder or self._unrecorded))
-        self._watch.after_call()
-
-    def raise_unless_done(self, status: int) -> None:
-        """Raise the `SimulationError` of a status code with which a kernel has left this state, if any."""
+        status = self._advance(end_time, recorder or self._unrecorded)
         if status != m.DONE:
-            # It may be why.
-            self._watch.check_range()
-            clock = self.state.clock[0]
-            raise_for_status(status, self.time, int(clock["failure_joint"]), float(clock["failure_value"]))
+            raise self.failure(status)
+        if abs(int(self.state.clock["steps"][0]) - self._steps_looked) >= STEPS_BETWEEN_LOOKS:
+            self.check()
+        elif self.integrator.settles_forces:
+            self._tell("forces", force_shortcoming(self))
+
+    def failure(self, status: int) -> SimulationError:
+        """The error of a status code, other than DONE, with which a kernel has left this state."""
+        # It may be why.
+        self._tell("range", range_shortcoming(self))
+        return failure(status, self.state.clock[0])
 
     def check(self) -> None:
         """Look at the accuracy of the run so far; every shortcoming is told once.
@@ -172,9 +177,16 @@ class Simulation:
             SimulationWarning: if the energy book is open by more than 1 % of the energy turned over; if modal panels
                 bend or turn by more than their second order holds for; if multipliers of generalized-alpha are off the
                 constraint forces by more than 10 % of the largest force; if its fixed step does not resolve the latest
-                impact of a joint.
+                impact of a joint; if a tolerance is too loose for single contacts.
         """
-        self._watch.check()
+        self._steps_looked = int(self.state.clock["steps"][0])
+        for subject, text in shortcomings(self).items():
+            self._tell(subject, text)
+
+    def _tell(self, subject: str, text: str) -> None:
+        if text and subject not in self._told:
+            self._told.add(subject)
+            warn(text)
 
     @cached_property
     def _lane(self) -> tuple[Any, Any, dict[str, Any]]:
@@ -196,13 +208,10 @@ class Simulation:
         arrays, clock = scratch[self.integrator.name], self.state.clock[0]
         left = self.integrator.max_steps if most_steps is None else most_steps
         while status[0] == m.TOO_MANY_STEPS and left > 0:
-            since, allowed = clock["time"], min(self._pace.begin(), left)
-            counter[0] = 0
+            allowed, counter[0] = min(STEPS_PER_CALL, left), 0
             chunk = settings._replace(max_steps=allowed)
             advance_lanes(models, states, chunk, recorder, queue, counter, end_times, status, arrays)
             left -= allowed
-            if status[0] == m.TOO_MANY_STEPS:
-                self._pace.stopped(allowed, 1.0, clock["time"] > since)
         if status[0] == m.TOO_MANY_STEPS:
             clock["failure_joint"], clock["failure_value"] = -1, self.integrator.max_steps
         return int(status[0])
@@ -249,6 +258,24 @@ class Simulation:
         return defect, max(largest, float(self.energy_book()[1] / self.model.length_scale))
 
 
+def sample_times(duration: float, output_step: float) -> NDArray[np.float64]:
+    """Times [s] every `output_step` [s] from 0, and at the end of `duration` [s].
+
+    Raises:
+        ValueError: if one of them is not positive and finite, or the samples are too many.
+    """
+    for name, value in (("duration", duration), ("output_step", output_step)):
+        if not 0.0 < value < math.inf:
+            raise ValueError(f"{name} = {value!r} s must be positive and finite")
+    count = duration / output_step
+    if count > _MOST_SAMPLES:
+        raise ValueError(
+            f"output_step = {output_step!r} s makes {count:.3g} samples of {duration!r} s, more than "
+            f"{_MOST_SAMPLES:,}; choose at least {duration / _MOST_SAMPLES:.2g} s, or simulate a shorter time"
+        )
+    return np.append(np.arange(math.ceil(count - 1e-9)) * output_step, duration)
+
+
 def simulate(
     mechanism: Mechanism,
     duration: float,
@@ -278,13 +305,7 @@ def simulate(
     """
     times = sample_times(duration, output_step)
     simulation = Simulation(mechanism, integrator)
-    try:
-        recorder = make_recorder(simulation.model, simulation.state, times, _CONTACTS_PER_DRAIN)
-    except MemoryError as error:
-        raise ValueError(
-            f"output_step = {output_step!r} s makes {duration / output_step:.3g} samples of {duration!r} s, more than "
-            "this machine has memory for; choose a longer one"
-        ) from error
+    recorder = make_recorder(simulation.model, simulation.state, times, _CONTACTS_PER_DRAIN)
     contacts: list[NDArray[np.float64]] = []
     start = time.perf_counter()
     status, left = m.PAUSED, simulation.integrator.max_steps
@@ -292,16 +313,17 @@ def simulate(
         if progress:
             recorder.pause[0] = simulation.time + duration / _PROGRESS_CALLS
         status = simulation._advance(duration, recorder, left)
-        left = simulation.integrator.max_steps - tried_steps(simulation.state.clock)
+        clock = simulation.state.clock
+        left = simulation.integrator.max_steps - int(clock["steps"][0] + clock["rejected_steps"][0])
         contacts.append(recorder.contacts[: recorder.filled[1]].copy())
         recorder.filled[1] = 0
         if progress:
             progress(simulation.time)
-    simulation.raise_unless_done(status)
+    if status != m.DONE:
+        raise simulation.failure(status)
     details: dict[str, Any] = {"wall_time_s": time.perf_counter() - start, "integrator": simulation.integrator.name}
     settings = asdict(simulation.integrator).items()
     details["integrator_settings"] = {name: None if value == math.inf else value for name, value in settings}
     table = contact_table(simulation.state, np.concatenate(contacts))
-    simulation._watch.check_impacts(table)
     simulation.check()
     return assemble(simulation.model, simulation.state, recorder, table, {**(metadata or {}), **details})

@@ -1,4 +1,4 @@
-"""The result of a run: named arrays over time, totals by joint, every contact; saved to and loaded from npz."""
+"""The result of a run: named arrays over time, totals by joint, every contact; made, saved and loaded here."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays import columns
+from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import TORQUES
-from solar_env.mechanics.arrays.model import ENERGY_NAMES
+from solar_env.mechanics.records.recording import Recorder, sample_columns
 from solar_env.support.files import writing
 from solar_env.support.plain_arrays import MOST_BYTES, parse_json, read_arrays
 
 Array = NDArray[np.float64]
-_STORED = tuple(name for name in ENERGY_NAMES if name != "gravity")
+_STORED = tuple(name for name in m.ENERGY_NAMES if name != "gravity")
 _PUT_IN = (*(law.book for law in TORQUES if law.book and not law.lost), "external_work")
 _ENERGIES = "energies/"  # before the names of their arrays in a file
+_COUNTS = ("steps", "rejected_steps", "evaluations", "factorizations", "stability_bound_steps")
 # Entries of the metadata that a summary shows.
-_COSTS_AND_LIMITS = (
-    "steps", "rejected_steps", "evaluations", "factorizations", "stability_bound_steps", "slow_contacts",
-    "creeping_share", "cut_off_share", "wall_time_s",
-)  # fmt: skip
+_COSTS_AND_LIMITS = (*_COUNTS, "slow_contacts", "creeping_share", "wall_time_s")
 
 contact_record = np.dtype(
     [
@@ -72,11 +72,11 @@ class Trajectory:
         postlock_impulse, postlock_sliding_work: (nj,).
         contact_starts: (nj,).
         clearance, journal_radius: (nj,) zero for ideal joints.
-        metadata: model, integrator, counts of steps and evaluations, wall time, parameters; and where the laws of
+        metadata: model, integrator, counts of steps and evaluations (`stability_bound_steps` are those that the
+            explicit method's stability on flexible bodies has bounded), wall time, parameters; and where the laws of
             contact and friction were at their limits: `slow_contacts`, the number of contacts that began below the
-            minimum impact speed and bounce too much; `creeping_share`, the share of the samples in contact at which
-            the surfaces crept on the friction ramp, where Coulomb's law might stick; `cut_off_share`, the share at
-            which the contact's damping would have pulled and the force is cut off at zero.
+            minimum impact speed and bounce too much; and `creeping_share`, the share of the samples in contact at
+            which the surfaces crept on the friction ramp, where Coulomb's law might stick.
     """
 
     time: Array
@@ -132,15 +132,6 @@ class Trajectory:
     def wear_depth(self) -> Array:
         """(nj,) deepest wear of journal or bearing [m]."""
         return np.maximum(self.wear_journal.max(axis=1), self.wear_bearing.max(axis=1))
-
-    @property
-    def stability_bound_share(self) -> float:
-        """Fraction of the steps that were bounded by the stability of the explicit method on the flexible bodies'
-        axial vibration; zero with rigid bodies alone and with generalized-alpha, which has no such bound.
-
-        Fewer elements make these steps longer, a looser tolerance does not.
-        """
-        return float(self.metadata["stability_bound_steps"] / self.metadata["steps"])
 
     def summary(self) -> dict[str, Any]:
         """Figures of the whole run as plain Python values, ready for JSON; nan becomes None."""
@@ -204,47 +195,144 @@ class Trajectory:
             values: dict[str, Any] = {name: data[name] for name in plain}
             values["energies"] = {k.removeprefix(_ENERGIES): v for k, v in data.items() if k.startswith(_ENERGIES)}
             values["metadata"] = parse_json(str(data["metadata"]))
-            _check_arrays(values)
+            _check(values)
         except ValueError as error:
             raise ValueError(f"{path} is not a saved trajectory: {error}") from error
         return cls(**values)
 
 
-def _check_arrays(values: dict[str, Any]) -> None:
-    """Refuse arrays whose types or shapes are not those of a trajectory."""
-    sizes = {"2": 2}
+_BY_JOINT = (
+    "latch_times", "peak_force", "postlock_peak_force", "postlock_impulse", "postlock_sliding_work", "contact_starts",
+    "clearance", "journal_radius", "wear_journal", "wear_bearing",
+)  # fmt: skip
+
+
+def _check(values: dict[str, Any]) -> None:
+    """Refuse entries whose types or shapes are not those of a trajectory."""
     if not isinstance(values["metadata"], dict):
         raise ValueError("its metadata are no mapping")
-    for name, dimensions in {**_SHAPES, **{f"{_ENERGIES}{name}": ("nt",) for name in values["energies"]}}.items():
-        array = values["energies"][name.removeprefix(_ENERGIES)] if name.startswith(_ENERGIES) else values[name]
-        expected = _TYPES.get(name, np.dtype(np.float64))
+    energies, alone = values["energies"], {"metadata", "energies", "contacts"}
+    if missing := {*_STORED, *_PUT_IN, "residual"} - set(energies):
+        raise ValueError(f"it lacks the energies {', '.join(sorted(missing))}")
+    if values["contacts"].dtype != contact_record:
+        raise ValueError(f"contacts is of the type {values['contacts'].dtype}; expected {contact_record}")
+    samples, joints = values["time"].shape, values["latch_times"].shape
+    by_name = {name: values[name] for name in values if name not in alone}
+    for name, array in {**by_name, **{f"{_ENERGIES}{name}": energies[name] for name in energies}}.items():
+        expected = np.dtype(np.int64 if name == "contact_starts" else np.float64)
         if array.dtype != expected:
             raise ValueError(f"{name} is of the type {array.dtype}; expected {expected}")
-        shape = tuple(sizes.setdefault(letter, size) for letter, size in zip(dimensions, array.shape, strict=False))
-        if array.shape != shape or len(dimensions) != array.ndim:
-            raise ValueError(f"{name} has the shape {array.shape}, which does not fit {dimensions} of the others")
-    if missing := {*_STORED, *_PUT_IN, "residual"} - set(values["energies"]):
-        raise ValueError(f"it lacks the energies {', '.join(sorted(missing))}")
-    if not sizes["nt"] or not sizes["bins"]:
+        leading = (*samples, *joints)
+        if name in _BY_JOINT:
+            leading = joints
+        elif name.startswith(_ENERGIES) or name in ("time", "coordinates", "velocities"):
+            leading = samples
+        if array.shape[: len(leading)] != leading or (len(samples), len(joints)) != (1, 1):
+            raise ValueError(f"{name} has the shape {array.shape}, which does not fit {leading} of the others")
+    if not samples[0] or not values["wear_journal"].shape[1:] == values["wear_bearing"].shape[1:] > (0,):
         raise ValueError("it has no samples, or no bins of wear")
 
 
-_BY_SAMPLE_AND_JOINT = (
-    "angles", "rates", "penetration", "normal_force", "tangential_force", *(law.name for law in TORQUES),
-    "sliding_work", "impulse",
-)  # fmt: skip
-_BY_JOINT = (
-    "latch_times", "peak_force", "postlock_peak_force", "postlock_impulse", "postlock_sliding_work", "contact_starts",
-    "clearance", "journal_radius",
-)  # fmt: skip
-_SHAPES = {
-    "time": ("nt",),
-    "coordinates": ("nt", "n"),
-    "velocities": ("nt", "n"),
-    **dict.fromkeys(_BY_SAMPLE_AND_JOINT, ("nt", "nj")),
-    **dict.fromkeys(("eccentricity", "joint_force"), ("nt", "nj", "2")),
-    **dict.fromkeys(("wear_journal", "wear_bearing"), ("nj", "bins")),
-    **dict.fromkeys(_BY_JOINT, ("nj",)),
-    "contacts": ("contacts",),
-}
-_TYPES: dict[str, np.dtype[Any]] = {"contacts": contact_record, "contact_starts": np.dtype(np.int64)}
+def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Energy put in and energy lost since t = 0 [J], by the names of `Trajectory`, from integrals (..., columns)."""
+    totals = m.joint_integrals(integrals).sum(axis=-2)
+    by_torques: list[dict[str, Any]] = [
+        {law.book: totals[..., law.integral] for law in columns.TORQUES if law.book and law.lost == lost}
+        for lost in (False, True)
+    ]
+    put_in = {**by_torques[0], "external_work": integrals[..., m.EXTERNAL_WORK]}
+    lost = {
+        "contact_dissipation": totals[..., m.NORMAL_DISSIPATION],
+        "friction_dissipation": totals[..., m.FRICTION_DISSIPATION],
+        **by_torques[1],
+        "material_dissipation": integrals[..., m.MATERIAL_DISSIPATION],
+    }
+    return put_in, lost
+
+
+def assemble(
+    model: Any, state: Any, recorder: Recorder, contacts: NDArray[np.void], metadata: dict[str, Any]
+) -> Trajectory:
+    """Make the trajectory of a finished run from its samples, its contacts (`contact_table`) and its last state.
+
+    `metadata` is completed with the counts of steps and with where the laws were at their limits.
+    """
+    table, joints, clock = recorder.samples, model.joints.size, state.clock[0]
+    slices = sample_columns(model, state)
+    loads = table[:, slices["loads"]].reshape(len(table), joints, columns.LOAD_COLUMNS)
+    integrals = table[:, slices["integrals"]]
+    by_joint = m.joint_integrals(integrals)
+    eccentricity = loads[:, :, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y]]
+    clearance = model.joints["clearance"].copy()
+    penetration = np.hypot(eccentricity[..., 0], eccentricity[..., 1]) - clearance
+    normal, tangential = loads[:, :, columns.NORMAL].copy(), loads[:, :, columns.TANGENTIAL].copy()
+    energies = {name: table[:, slices["energies"]][:, k] for k, name in enumerate(m.ENERGY_NAMES)}
+    stored = sum(energies.values())
+    put_in, lost = energy_flows(integrals)
+    residual = stored - clock["initial_energy"] - sum(put_in.values()) + sum(lost.values())
+    final = m.joint_integrals(state.integrals)
+    locked = clock["latched_joints"] > 0
+    return Trajectory(
+        time=recorder.times,
+        coordinates=table[:, slices["q"]].copy(),
+        velocities=table[:, slices["v"]].copy(),
+        angles=np.unwrap(loads[:, :, columns.ANGLE], axis=0),
+        rates=loads[:, :, columns.RATE].copy(),
+        eccentricity=eccentricity,
+        penetration=penetration,
+        normal_force=normal,
+        tangential_force=tangential,
+        joint_force=loads[:, :, [columns.FORCE_X, columns.FORCE_Y]],
+        **{law.name: loads[:, :, law.column].copy() for law in columns.TORQUES},
+        energies={**energies, **put_in, **lost, "residual": residual},
+        sliding_work=by_joint[:, :, m.SLIDING_WORK].copy(),
+        impulse=by_joint[:, :, m.IMPULSE].copy(),
+        wear_journal=state.wear_journal.copy(),
+        wear_bearing=state.wear_bearing.copy(),
+        contacts=contacts,
+        latch_times=state.joints["latch_time"].copy(),
+        peak_force=state.joints["peak_force"].copy(),
+        postlock_peak_force=state.joints["postlock_peak_force"].copy(),
+        postlock_impulse=(final[:, m.IMPULSE] - state.joints["lock_impulse"]) * locked,
+        postlock_sliding_work=(final[:, m.SLIDING_WORK] - state.joints["lock_sliding_work"]) * locked,
+        contact_starts=state.joints["contact_starts"].copy(),
+        clearance=clearance,
+        journal_radius=model.joints["journal_radius"].copy(),
+        metadata={
+            **metadata,
+            **{name: int(clock[name]) for name in _COUNTS},
+            **_limits_of_the_laws(model.joints, contacts, normal, tangential),
+        },
+    )
+
+
+def contact_table(state: Any, closed: NDArray[np.float64]) -> NDArray[np.void]:
+    """Contacts as `contact_record`: those that have ended, rows of the recorder's queue, then those still open."""
+    rows = [tuple(row) for row in closed]
+    for j, own in enumerate(state.joints):
+        if own["in_contact"]:
+            integrals = state.integrals[m.INTEGRALS_PER_JOINT * j :]
+            rows.append(
+                (
+                    j,
+                    own["contact_start"],
+                    math.nan,
+                    own["impact_speed"],
+                    own["contact_peak"],
+                    integrals[m.IMPULSE] - own["contact_impulse"],
+                    integrals[m.SLIDING_WORK] - own["contact_sliding_work"],
+                )
+            )
+    return np.array(rows, dtype=contact_record)
+
+
+def _limits_of_the_laws(joints: Any, contacts: Any, normal: Array, tangential: Array) -> dict[str, Any]:
+    """How often contact and friction left the range in which their laws mean something."""
+    loose = joints["kind"] == m.CLEARANCE
+    pressed = normal[:, loose] > 0.0
+    coulomb = joints["friction_coefficient"][loose] * normal[:, loose]
+    creeping = pressed & (np.abs(tangential[:, loose]) < 0.999 * coulomb)
+    return {
+        "slow_contacts": int((contacts["impact_speed"] <= joints["minimum_impact_speed"][contacts["joint"]]).sum()),
+        "creeping_share": float(creeping.sum() / max(pressed.sum(), 1)),
+    }

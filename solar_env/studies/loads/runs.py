@@ -13,10 +13,9 @@ from solar_env.array import ArrayParameters, build
 from solar_env.array.parameters.ranges import drawn
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.records.recording import Recorder, make_recorder, sample_columns
-from solar_env.mechanics.running.assembly import assemble, contact_table
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.motion import perturbed
 from solar_env.studies.loads.hub import hub_place, hub_velocity, mean_loads, sampled_hinge_loads

@@ -33,7 +33,6 @@ def check_supported(scene: Scene) -> None:
     p = scene.parameters
     for name, fits in (
         ("panel_count", p.panel_count == 2),
-        ("friction_law", p.friction_law == "ramp"),
         ("friction_speed_zero", max(p.entries("friction_speed_zero")) == 0.0),
         ("friction_sliding", p.friction_sliding == "material"),
         ("cable_bearing_forces", not p.cable_bearing_forces),

@@ -9,9 +9,7 @@ import math
 from dataclasses import replace
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.contact import lankarani_nikravesh
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+from solar_env.mechanics.joints.laws import PowerLaw, lankarani_damping
 from solar_env.mechanics.mechanism.description import Bearing, Body, Load
 from solar_env.mechanics.mechanism.textbook import loaded_journal
 from solar_env.mechanics.running.simulation import simulate
@@ -21,7 +19,7 @@ from solar_env.studies.stability.maps import Axis, Cell, Kind, Said, StabilityMa
 LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4  # N, m, m
 FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, of the friction limit, kg m2
 MASS, MINIMUM_SPEED = 1.0, 1e-4  # kg, m/s
-CONTACT = PowerLaw(7.39e10, damping=lankarani_nikravesh.damping(0.5))
+CONTACT = PowerLaw(7.39e10, damping=lankarani_damping(0.5))
 SHORT_STEP = 1e-4  # s; 300,000 of them make the 30 s of a deployment
 SLOW_CREEP = 1e-3 / 30.0  # m/s; less than a millimetre in the 30 s of a deployment
 MOST_STEPS = 200_000
@@ -40,8 +38,7 @@ def creep_speed(speed_zero: float, speed_full: float) -> float:
 
 def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
     """The run of a journal under half the friction limit."""
-    friction = RampedCoulomb(speed_zero, speed_full)
-    bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, friction_coefficient=FRICTION, friction=friction)
+    bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, FRICTION, (speed_zero, speed_full))
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
     torque = SHARE * FRICTION * normal * RADIUS
     journal = loaded_journal(bearing, LOAD, math.atan(SHARE * FRICTION))

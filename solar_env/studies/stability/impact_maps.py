@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta, steps_per_impact
-from solar_env.mechanics.joints.contact import lankarani_nikravesh
-from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS, contact_law
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import CONTACT_LAWS, PowerLaw, contact_law, lankarani_damping
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.diagnosis import LARGEST_RESTITUTION_ERROR
@@ -32,7 +30,7 @@ TOLERANCE = 0.01  # of the exit speed of every bounce
 _UNDAMPED = PowerLaw(7.39e10)
 _LAWS = {
     "Hertz (conserves energy)": _UNDAMPED,
-    "Lankarani-Nikravesh, Ce = 0.9": replace(_UNDAMPED, damping=lankarani_nikravesh.damping(0.9)),
+    "Lankarani-Nikravesh, Ce = 0.9": replace(_UNDAMPED, damping=lankarani_damping(0.9)),
 }
 ARRAY = ArrayParameters(contact_stiffness=None)
 # Those that dissipate.

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from solar_env.mechanics.analysis.linearization import natural_frequencies
-from solar_env.mechanics.analysis.statics import static_equilibrium
+from solar_env.mechanics.analysis.linearization import natural_frequencies, static_equilibrium
 from solar_env.mechanics.mechanism.beams import PANEL, Beam, cantilever
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.verification.beams import theory

@@ -1,4 +1,4 @@
-"""Cases of pendulums, chains and closed linkages against Newton-Euler formulations and published figures.
+"""Cases of the pendulum and of the four-bar linkage, and the theory of open chains.
 
 Imports no other subject of the verification. A new case is a generator of `Check` and a row of `CASES`.
 """

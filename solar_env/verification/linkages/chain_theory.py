@@ -86,14 +86,9 @@ class Chain:
         coupling: tuple[Array, Array] | None = None,
         stop: Callable[[float, Array], float] | None = None,
     ) -> Any:
-        """SciPy's solution; states hold n angles, n rates.
+        """SciPy's solution at some times [s] under torques [N m] of angles and rates; states hold n angles, n rates.
 
-        Args:
-            angles, rates: (n,) at t = 0 [rad, rad/s].
-            torques: of angles and rates, (n,) [N m].
-            times: when to sample [s]; the last one ends the run.
-            coupling: rows (n,) (c, g) of a constraint c . angles = const that acts through torques proportional to g.
-            stop: event that ends the run when it crosses zero.
+        A coupling is a constraint c . angles = const that acts through torques proportional to g, as rows (c, g).
         """
         n = len(self.links)
 

@@ -1,25 +1,36 @@
-"""Cases of the simple pendulum released from the horizontal, whose motion elliptic functions give exactly."""
+"""Cases of the simple pendulum released from the horizontal, whose motion elliptic functions give exactly.
+
+E. T. Whittaker, A Treatise on the Analytical Dynamics of Particles and Rigid Bodies, 4th ed., Cambridge 1937,
+section 44.
+"""
 
 import math
-import warnings
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.special import ellipj, ellipk
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.description import Body, Mechanism
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, pendulum
-from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import ARNOLD_BRULS, Check, compare
-from solar_env.verification.linkages.pendulum_theory import exact_pendulum, exact_period
 
-RESTART = "a step change is a start from a state of second-order accuracy"
-CARDONA_GERADIN = "A. Cardona and M. Geradin, Comput. Struct. 33 (1989) 801: weak instability"
 EXACT = "exact: elliptic functions"
-_START = 1.0  # s, when transients of the multipliers are looked at
+_PARAMETER = 0.5  # sin^2 of half the amplitude, which is a right angle
+
+
+def exact_period() -> float:
+    """Period [s]."""
+    return 4.0 * float(ellipk(_PARAMETER)) / math.sqrt(STANDARD_GRAVITY)
+
+
+def exact_pendulum(time: float) -> tuple[float, float, float]:
+    """Position (x, y) [m] of the bob and tension [N] at a time [s], for 1 m, 1 kg and g = 9.81 m/s2."""
+    frequency = math.sqrt(STANDARD_GRAVITY)
+    _, cn, dn, _ = ellipj(frequency * time, _PARAMETER)
+    angle = 2.0 * math.asin(math.sqrt(_PARAMETER) * cn / dn)  # from the vertical
+    # Energy gives the centripetal acceleration 2 g cos(angle).
+    return math.sin(angle), -math.cos(angle), 3.0 * STANDARD_GRAVITY * math.cos(angle)
 
 
 def _run(integrator: Integrator, time: float) -> Simulation:
@@ -77,42 +88,3 @@ def generalized_alpha_order() -> Iterator[Check]:
         figures = zip(("coordinates", "multipliers"), (2.0, 2.0), np.log2(coarse / fine), strict=True)
         quantity = f"order of convergence in {{}}, rho_inf = {rho_inf:g}"
         yield from compare(figures, quantity, 0.1, ARNOLD_BRULS)
-
-
-def _multiplier_errors(simulation: Simulation, step: float, count: int) -> NDArray[np.float64]:
-    """(count,) errors of the tension [N] in the next steps."""
-    errors = np.zeros(count)
-    start = simulation.time
-    for k in range(count):
-        simulation.advance(start + (k + 1) * step)
-        errors[k] = _tension(simulation) - exact_pendulum(_START + simulation.time - start)[2]
-    return errors
-
-
-def _moving_pendulum() -> Mechanism:
-    """The pendulum as it passes at _START."""
-    x, y, _ = exact_pendulum(_START)
-    x_next, y_next, _ = exact_pendulum(_START + 1e-6)
-    spin = math.copysign(math.sqrt(-2.0 * STANDARD_GRAVITY * y), x * y_next - y * x_next)
-    released = pendulum(angle=math.atan2(y, x))
-    (bob,) = released.bodies
-    assert isinstance(bob, Body)
-    return replace(released, bodies=(replace(bob, spin=spin),))
-
-
-def multiplier_transients() -> Iterator[Check]:
-    """The mode of the multipliers that every start or step change from a state with velocity excites."""
-    fresh = Simulation(_moving_pendulum(), GeneralizedAlpha(step=1e-3))
-    start_error = np.abs(_multiplier_errors(fresh, 1e-3, 200)).max()
-    changed = _run(GeneralizedAlpha(step=1e-2), _START)
-    changed.integrator = GeneralizedAlpha(step=1e-3)
-    obtained = np.abs(_multiplier_errors(changed, 1e-3, 200)).max() / start_error
-    quantity = "tension's error after a step change 0.01 -> 0.001 s over that after a start, rho_inf = 0.8"
-    yield Check(quantity, 1.0, obtained, 1.0, RESTART)
-    trapezoidal = Simulation(_moving_pendulum(), GeneralizedAlpha(step=1e-2, rho_inf=1.0))
-    with warnings.catch_warnings():
-        # What the library warns of is what is measured here.
-        warnings.simplefilter("ignore", SimulationWarning)
-        errors = _multiplier_errors(trapezoidal, 1e-2, 40)
-    obtained = errors[-1] / errors[-2]
-    yield Check("factor of the tension's error from step to step, rho_inf = 1", -1.0, obtained, 0.1, CARDONA_GERADIN)

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
 from solar_env.mechanics.mechanism.description import Bearing, Body, Joint, Mechanism
 from solar_env.verification.checks import Check

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.bodies.beam_modes import EndModes, axial_modes, bending_modes
 
 LENGTH, MASS, AXIAL, BENDING = 1.5, 6.0, 5.6e6, 186.7
-KEPT = (0, 1, 3, 6, 24)
+KEPT = (0, 3, 24)
 
 
 def flexibility(modes: EndModes, power: int = 1) -> NDArray[np.float64]:

@@ -2,60 +2,42 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from cable_beams import (
-    BEAM,
-    RIGID,
-    deformed,
-    elastic_forces,
-    internal_force,
-    mass_matrix,
-    quarter_turns,
-    straight,
-    tangent,
-    translation,
-)
+from cable_beams import BEAM, RIGID, mass_matrix, quarter_turns, straight, translation
 from mechanisms import Vector, turned
-from scipy.linalg import eigh
 
-from solar_env.mechanics.bodies.cable_element.element import (
-    add_mass_product,
-    kinetic_energy,
-    solve_mass,
-)
+from solar_env.mechanics.bodies.cable_element.element import add_mass_product, kinetic_energy, solve_mass
 from solar_env.mechanics.bodies.markers import direction, place
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.mechanism.description import GROUND, Drive, Guide, Joint, Load, Mechanism, Point
+from solar_env.mechanics.mechanism.description import GROUND, Drive, Joint, Load, Mechanism, Point
 
 
-def hermite(elements: int, length: float, points: int) -> tuple[Vector, Vector, np.ndarray]:
-    """Arc lengths, quadrature weights and shape functions (points, nodal values) of a beam, by polynomial fit."""
+def hermite(elements: int, length: float, points: int) -> tuple[Vector, np.ndarray]:
+    """Quadrature weights and shape functions (points, nodal values) of a beam, by polynomial fit."""
     gauss, weights = np.polynomial.legendre.leggauss(points)
     step = length / elements
-    arcs, quadrature = [], []
+    quadrature = []
     shapes = np.zeros((elements * points, 2 * (elements + 1)))
     # Cubics whose values and slopes at both ends are the unit vectors.
     conditions = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, step, step**2, step**3], [0, 1, 2 * step, 3 * step**2]])
     cubics = np.linalg.inv(conditions)
     for e in range(elements):
         s = 0.5 * step * (gauss + 1.0)
-        arcs.append(e * step + s)
         quadrature.append(0.5 * step * weights)
         powers = np.stack([s**k for k in range(4)], axis=1)
         shapes[e * points : (e + 1) * points, 2 * e : 2 * e + 4] = powers @ cubics
-    return np.concatenate(arcs), np.concatenate(quadrature), shapes
+    return np.concatenate(quadrature), shapes
 
 
-@pytest.mark.parametrize("elements", range(1, 13))
+@pytest.mark.parametrize("elements", [1, 2, 5, 12])
 def test_the_mass_matrix_is_the_quadrature_of_the_shape_functions(elements: int) -> None:
     scene = straight(replace(BEAM, elements=elements))
     # Products of cubics: four Gauss points are exact.
-    _, weights, shapes = hermite(elements, BEAM.length, 4)
+    weights, shapes = hermite(elements, BEAM.length, 4)
     expected = np.kron(BEAM.linear_density * shapes.T @ (weights[:, None] * shapes), np.eye(2))
     assert mass_matrix(scene) == pytest.approx(expected, abs=1e-14 * np.abs(expected).max())
     assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == 0.0
@@ -82,7 +64,7 @@ def test_a_beam_that_moves_rigidly_has_the_momenta_and_energy_of_a_rod() -> None
     assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == pytest.approx(energy, rel=1e-13)
 
 
-@pytest.mark.parametrize("elements", range(1, 13))
+@pytest.mark.parametrize("elements", [1, 2, 5, 12])
 def test_solving_the_mass_matrix_inverts_its_product(elements: int) -> None:
     scene = straight(replace(BEAM, elements=elements))
     rng = np.random.default_rng(elements)
@@ -94,47 +76,6 @@ def test_solving_the_mass_matrix_inverts_its_product(elements: int) -> None:
     assert solved[scene.own] == pytest.approx(a[scene.own], abs=rounding)
     # Other bodies' coordinates are left alone.
     assert np.all(solved[: scene.beam.offset] == 7.0)
-
-
-def test_products_are_added_to_what_is_there() -> None:
-    scene = deformed(0)
-    out, force = np.ones_like(scene.q), np.ones_like(scene.q)
-    add_mass_product(scene.beam, scene.model.body_constants, scene.v, out)
-    assert out[scene.own] == pytest.approx(1.0 + mass_matrix(scene) @ scene.v[scene.own], rel=1e-13)
-    elastic_forces(scene.model, scene.q, scene.v, force)
-    assert force[scene.own] == pytest.approx(1.0 + internal_force(scene), rel=1e-13)
-
-
-# Roots of cos x cosh x = 1.
-FREE_FREE = (4.730040744862704, 7.853204624095838, 10.995607838001671)
-
-
-@pytest.mark.parametrize("elements", [6, 12])
-def test_a_free_beam_vibrates_at_the_frequencies_of_the_textbook(elements: int) -> None:
-    beam = replace(BEAM, elements=elements)
-    scene = straight(beam)
-    squares = eigh(tangent(scene, 1.0, 0.0), mass_matrix(scene), eigvals_only=True)
-    # Two translations and a turn cost nothing.
-    assert squares[:3] == pytest.approx(0.0, abs=1e-13 * squares[-1])
-    L, density = beam.length, beam.linear_density
-    bending = np.square(FREE_FREE) * math.sqrt(beam.bending_stiffness / density) / L**2
-    axial = np.arange(1, 3) * math.pi * math.sqrt(beam.axial_stiffness / density) / L
-    found = np.sqrt(squares[3:])
-    for expected in (*bending, *axial):
-        # An error of (wave number * element length)^4 / 720 and less.
-        number = max(FREE_FREE) / elements
-        assert np.abs(found / expected - 1.0).min() < number**4 / 720.0
-
-
-@pytest.mark.parametrize("angle", [0.0, 1.0, -2.5])
-def test_nodes_stand_and_move_as_described(angle: float) -> None:
-    beam = replace(BEAM, position=(1.0, -1.0), angle=angle, velocity=(0.1, 0.2), spin=3.0)
-    scene = straight(beam)
-    along, across = turned((1.0, 0.0), angle), turned((0.0, 1.0), angle)
-    nodes, rates = scene.q[scene.own].reshape(-1, 4), scene.v[scene.own].reshape(-1, 4)
-    for k, arc in enumerate(np.linspace(0.0, beam.length, beam.elements + 1)):
-        assert nodes[k] == pytest.approx([*(np.array(beam.position) + arc * along), *along], abs=1e-15)
-        assert rates[k] == pytest.approx([*(np.array(beam.velocity) + 3.0 * arc * across), *(3.0 * across)], abs=2e-15)
 
 
 @pytest.mark.parametrize("node", range(BEAM.elements + 1))
@@ -158,12 +99,11 @@ OFF_NODE: dict[str, Point] = {
 
 
 @pytest.mark.parametrize("place", OFF_NODE.values(), ids=OFF_NODE.keys())
-@pytest.mark.parametrize("part", ["bearing", "journal", "guide", "drive", "load"])
+@pytest.mark.parametrize("part", ["bearing", "journal", "drive", "load"])
 def test_an_attachment_off_the_nodes_is_refused_with_the_nodes(part: str, place: Point) -> None:
     attached: dict[str, Any] = {
         "bearing": {"joints": (Joint("pin", "beam", "rigid", place, (0.0, 0.0)),)},
         "journal": {"joints": (Joint("pin", GROUND, "beam", (0.0, 0.0), place),)},
-        "guide": {"guides": (Guide("beam", place, (0.0, 1.0)),)},
         "drive": {"drives": (Drive("beam", 0.0, 1.0, point=place),)},
         "load": {"loads": (Load("beam", place, (1.0, 0.0)),)},
     }[part]

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, replace
+import re
+from dataclasses import fields
 
 import numba
 import numpy as np
-import pytest
 from helpers import fingerprint
 from mechanisms import ROUND_BEARING, chain, pendulum
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied
-from solar_env.mechanics.bodies.kinds import body_type
-from solar_env.mechanics.bodies.markers import marker_type
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
+from solar_env.mechanics.joints.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import Body, Mechanism
-from solar_env.mechanics.running.errors import _CAUSES, SimulationError, raise_for_status
+from solar_env.mechanics.running.errors import _CAUSES, failure
 
 
 def example() -> Mechanism:
@@ -31,46 +29,6 @@ def test_a_copied_state_shares_nothing_with_the_original() -> None:
     assert fingerprint(copy) == fingerprint(state)
     for name, mine, theirs in zip(state._fields, state, copy, strict=True):
         assert not np.shares_memory(mine, theirs), name
-
-
-@pytest.mark.parametrize(
-    "row_type",
-    [
-        body_type,
-        marker_type,
-        m.joint_type,
-        m.cable_type,
-        m.drive_type,
-        m.load_type,
-        m.joint_state_type,
-        m.clock_type,
-    ],
-)
-def test_rows_are_views_whose_members_are_attributes(row_type: np.dtype[np.void]) -> None:
-    rows = np.zeros(2, dtype=row_type)
-    for name in row_type.names or ():
-        row = rows[1]
-        setattr(row, name, 3)
-        assert np.all(rows[name][0] == 0)
-        assert np.all(rows[name][1] == 3)
-        assert np.all(getattr(row, name) == 3)
-
-
-def test_integrals_and_energies_are_numbered_without_gaps() -> None:
-    integrals = [
-        m.NORMAL_DISSIPATION,
-        m.FRICTION_DISSIPATION,
-        m.SLIDING_WORK,
-        m.IMPULSE,
-        m.MOTOR_WORK,
-        m.LATCH_DISSIPATION,
-        m.CABLE_WORK,
-    ]
-    assert sorted(integrals) == list(range(m.INTEGRALS_PER_JOINT))
-    named = ["KINETIC", "SPRING", "CABLE", "LATCH", "CONTACT", "ELASTIC", "GRAVITY"]
-    assert [m.ENERGY_NAMES[getattr(m, name)] for name in named] == [name.lower() for name in named]
-    # Those of the whole mechanism are counted from the end.
-    assert sorted((m.EXTERNAL_WORK, m.MATERIAL_DISSIPATION)) == list(range(-m.GLOBAL_INTEGRALS, 0))
 
 
 def test_mechanisms_of_any_size_and_kind_of_number_share_their_compiled_kernels() -> None:
@@ -94,12 +52,11 @@ def test_a_bearing_arrives_in_its_joint_row_unchanged() -> None:
     model, _ = compile_mechanism(example())
     row = model.joints[0]
     for item in fields(ROUND_BEARING):
-        if item.name not in ("contact", "friction", "sliding"):
+        if item.name not in ("contact", "friction_speeds", "sliding"):
             name = {"width": "bearing_width"}.get(item.name, item.name)
             assert row[name] == getattr(ROUND_BEARING, item.name), item.name
-    for kind, law in (("contact", ROUND_BEARING.contact), ("friction", ROUND_BEARING.friction)):
-        parameters = law.parameters()
-        assert (row[f"{kind}_law"], *row[kind]) == (law.code, *parameters, *(4 - len(parameters)) * [0.0])
+    assert tuple(row["contact"]) == ROUND_BEARING.contact.parameters()
+    assert (row["friction_speed_zero"], row["friction_speed_full"]) == ROUND_BEARING.friction_speeds
     assert SLIDING_READINGS[row["sliding"]] == ROUND_BEARING.sliding
 
 
@@ -109,47 +66,20 @@ def test_only_joints_whose_torque_depends_on_the_angle_limit_it() -> None:
     assert sprung.joints["angle_limited"][0] == 1
 
 
-def test_a_fixed_body_does_not_move_whatever_velocity_it_is_given() -> None:
-    body = Body("b", 1.0, 1.0, 1.0, (0.0, 0.0), velocity=(3.0, 4.0), spin=5.0, fixed=True)
-    _, state = compile_mechanism(Mechanism((body,)))
-    assert not state.v.any()
-
-
-def test_latch_times_start_unknown() -> None:
-    _, state = compile_mechanism(replace(example(), wear_bins=7))
-    assert np.isnan(state.joints["latch_time"]).all()
-    assert state.wear_journal.shape == state.wear_bearing.shape == (2, 7)
-
-
-FAILURES = [
-    m.STEP_TOO_SMALL,
-    m.NOT_FINITE,
-    m.SINGULAR_CONSTRAINTS,
-    m.NEWTON_FAILED,
-    m.JOINT_ANGLE_RANGE,
-    m.CONTACT_TOO_DEEP,
-    m.TOO_MANY_STEPS,
-    m.EVENTS_PILE_UP,
-    m.NEWTON_STALLED,
-]
+def clock_of(joint: int, value: float) -> np.void:
+    clock = np.zeros(1, m.clock_type)
+    clock["time"], clock["failure_joint"], clock["failure_value"] = 1.5, joint, value
+    return clock[0]
 
 
 def test_every_failure_names_its_time_a_remedy_and_a_reason_of_its_own() -> None:
-    codes = [m.DONE, m.PAUSED, *FAILURES]
+    codes = [m.DONE, m.PAUSED, *_CAUSES]
     assert sorted(codes) == list(range(len(codes)))
-    assert set(_CAUSES) == set(FAILURES)
-    reasons = set()
-    for status in FAILURES:
-        with pytest.raises(SimulationError, match=r"at t = 1\.5 s .*(; |, or )") as caught:
-            raise_for_status(status, 1.5, 1, math.pi)
-        assert caught.value.time == 1.5
-        assert caught.value.reason.isidentifier()
-        reasons.add(caught.value.reason)
-    assert len(reasons) == len(FAILURES)
-
-
-def test_failures_of_a_joint_count_joints_from_one_and_give_the_value() -> None:
-    with pytest.raises(SimulationError, match=r"joint 2 .*3\.142 rad"):
-        raise_for_status(m.JOINT_ANGLE_RANGE, 0.0, 1, math.pi)
-    with pytest.raises(SimulationError, match=r"joint 1 sank 0\.02 m"):
-        raise_for_status(m.CONTACT_TOO_DEEP, 0.0, 0, 0.02)
+    errors = {status: failure(status, clock_of(1, math.pi)) for status in _CAUSES}
+    for error in errors.values():
+        assert re.match(r"at t = 1\.5 s .*(; |, or )", str(error))
+        assert error.time == 1.5
+        assert error.reason.isidentifier()
+    assert len({error.reason for error in errors.values()}) == len(_CAUSES)
+    # Joints count from one.
+    assert "joint 2 reached 3.142 rad" in str(errors[m.JOINT_ANGLE_RANGE])

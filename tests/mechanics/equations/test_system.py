@@ -20,36 +20,18 @@ from solar_env.mechanics.equations.constraints import (
     velocity_drift,
 )
 from solar_env.mechanics.equations.system import accelerations, normal_inverse_mass
-from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Guide, Joint, Mechanism
+from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Joint, Mechanism
+from solar_env.mechanics.mechanism.textbook import Link, four_bar
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 
 
 def driven_linkage(time: float = 0.3) -> Forces:
-    """Crank driven at 2 rad/s, rod, and a slider on a guide, as they stand and move at a time."""
-    rate, crank, rod = 2.0, 0.4, 1.1
-    psi = rate * time
-    tip = crank * turned((1.0, 0.0), psi)
-    tip_velocity = crank * rate * turned((0.0, 1.0), psi)
-    phi = math.asin(-tip[1] / rod)
-    spin = -tip_velocity[1] / (rod * math.cos(phi))
-    end = tip + rod * turned((1.0, 0.0), phi)
-    end_velocity = tip_velocity + spin * rod * turned((0.0, 1.0), phi)
-    bodies = (
-        Body("crank", 1.0, 0.1, crank, (0.1, 0.05), angle=psi, spin=rate),
-        Body(
-            "rod", 2.0, 0.3, rod, (0.5, -0.1), position=tuple(tip), angle=phi, velocity=tuple(tip_velocity), spin=spin
-        ),
-        Body("slider", 0.7, 0.05, 0.2, (0.0, 0.0), position=tuple(end), velocity=tuple(end_velocity)),
-    )
-    joints = (
-        Joint("o", GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),
-        Joint("a", "crank", "rod", (crank, 0.0), (0.0, 0.0)),
-        Joint("b", "rod", "slider", (rod, 0.0), (0.0, 0.0)),
-    )
-    guides = (Guide("slider", (0.0, 0.0), (0.0, 1.0)), Guide("slider", (0.2, 0.0), (0.0, 1.0)))
-    mechanism = Mechanism(bodies, joints, (), guides, (Drive("crank", 0.0, rate),), gravity=(0.0, -9.81))
-    return Forces(mechanism)
+    """Four-bar linkage with a crank driven at 2 rad/s, as it stands and moves at a time."""
+    links = Link(0.4, 1.0, 0.1), Link(1.1, 2.0, 0.3), Link(0.8, 0.7, 0.05)
+    linkage = four_bar(*links, ground_length=1.2, crank_rate=2.0, crank_angle=0.5)
+    bodies = tuple(replace(body, centroid=(0.1, 0.05)) for body in linkage.bodies)
+    return Forces(replace(linkage, bodies=bodies, drives=(Drive("crank", 0.5 - 2.0 * time, 2.0),)))
 
 
 def solve(forces: Forces, time: float = 0.3) -> tuple[Vector, Vector]:
@@ -150,7 +132,8 @@ def test_an_ideal_joint_carries_the_weight_that_hangs_on_it() -> None:
 
 
 def test_redundant_constraints_are_reported_not_solved() -> None:
-    mechanism = replace(pendulum(), guides=(Guide("arm", (0.0, 0.0), (1.0, 0.0)),))
+    (pin,) = pendulum().joints
+    mechanism = replace(pendulum(), joints=(pin, replace(pin, name="again")))
     with pytest.raises(SimulationError, match="constraints are redundant") as caught:
         Simulation(mechanism).advance(0.1)
     assert caught.value.reason == "constraints"

@@ -16,17 +16,13 @@ from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.equations.newton import assemble, linearize_forces
 from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_scratch
 from solar_env.mechanics.integrators.methods.generalized_alpha import fill_residual, make_iteration
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionLaw
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw
 from solar_env.mechanics.mechanism.description import (
     Bearing,
     Body,
     CableLoop,
     Drive,
     FlexibleBody,
-    Guide,
     Joint,
     Load,
     Mechanism,
@@ -35,7 +31,7 @@ from solar_env.mechanics.mechanism.description import (
 )
 from solar_env.mechanics.numerics.profile import dense, make_profile_matrix
 
-SEEDS = range(4)
+SEEDS = range(3)
 LOOP = CableLoop("joint 0", "joint 1", 1.7, 2.0, 1.0)
 
 
@@ -102,15 +98,8 @@ def scene(
     return forces
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_nothing_that_acts_has_no_tangent(seed: int) -> None:
-    by_q, by_v = tangents(scene(seed))
-    assert not by_q.any()
-    assert not by_v.any()
-
-
 CABLES = [(replace(LOOP, preload_torque=p, torque_ratio=r),) for p in (math.inf, 0.05) for r in (1.0, 2.0)]
-PRESSED = replace(ROUND_BEARING, contact=PowerLaw(50.0, damping=0.05), friction=RampedCoulomb(0.0, 50.0))
+PRESSED = replace(ROUND_BEARING, contact=PowerLaw(50.0, damping=0.05), friction_speeds=(0.0, 50.0))
 SCENES: list[dict[str, Any]] = [
     {"spring": Spring(1.3, 0.7)},
     {"motor": (0.8, -0.5)},
@@ -168,14 +157,14 @@ def test_cable_along_a_beam(seed: int, loop: CableLoop, torque_ratio: float) -> 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("friction", [0.0, 0.4], ids=["smooth", "rough"])
 @pytest.mark.parametrize("sliding", SLIDING_READINGS)
-@pytest.mark.parametrize("law", [RampedCoulomb(0.0, 50.0), RampedCoulomb(1e-4, 2e-4), BrownMcPhee(5.0, 1.5)])
+@pytest.mark.parametrize("speeds", [(0.0, 50.0), (1e-4, 2e-4)])
 @pytest.mark.parametrize("exponent", [1.2, 1.5])
-def test_contact(seed: int, friction: float, sliding: str, law: FrictionLaw, exponent: float) -> None:
+def test_contact(seed: int, friction: float, sliding: str, speeds: tuple[float, float], exponent: float) -> None:
     bearing = replace(
         ROUND_BEARING,
         contact=PowerLaw(50.0, exponent, 0.05),
         friction_coefficient=friction,
-        friction=law,
+        friction_speeds=speeds,
         sliding=sliding,
     )
     forces = scene(seed, depths=(0.02, 0.06), bearing=bearing)
@@ -206,12 +195,6 @@ def test_a_joint_of_the_ground() -> None:
     check(Forces(pendulum()))
 
 
-def test_the_tangents_of_conservative_forces_are_symmetric() -> None:
-    forces = scene(1, spring=Spring(1.3, 0.7), cables=(replace(LOOP, torque_ratio=2.0),))
-    by_q, _ = tangents(forces)
-    assert by_q == pytest.approx(by_q.T, abs=1e-13 * np.abs(by_q).max())
-
-
 def everything() -> Mechanism:
     """Rigid and flexible bodies, fixed ones, and every kind of part that acts on them."""
     beam = FlexibleBody("beam", 1.2, 3, 0.8, axial_stiffness=4.0, bending_stiffness=0.6, damping=0.3)
@@ -233,7 +216,6 @@ def everything() -> Mechanism:
         bodies,
         joints,
         cables,
-        (Guide("beam", (0.8, 0.0), (0.6, 0.8)), Guide("last", (0.3, 0.1), (0.0, 1.0))),
         (Drive("arm", 0.1, 1.2, 0.5), Drive("other", -0.3, 0.4, point=(1.2, 0.0))),
         (Load("beam", (0.4, 0.0), (1.0, -2.0), 0.7), Load("last", (0.2, 0.3), torque=-0.4)),
         gravity=(0.2, -1.0),

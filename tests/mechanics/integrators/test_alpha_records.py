@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.records.recording import Recorder, make_recorder, sample_columns
 from solar_env.mechanics.running.simulation import Simulation

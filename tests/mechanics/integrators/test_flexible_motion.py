@@ -11,8 +11,7 @@ from mechanisms import turned
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import (
     GROUND,
     Bearing,
@@ -42,7 +41,7 @@ WIDE = Bearing(
     PowerLaw(300.0, damping=0.2),
     minimum_impact_speed=1e-3,
     friction_coefficient=0.2,
-    friction=RampedCoulomb(0.01, 0.1),
+    friction_speeds=(0.01, 0.1),
 )
 CONNECTIONS: dict[str, Bearing | None] = {"ideal joints": None, "clearance joints": WIDE}
 

@@ -12,8 +12,8 @@ from mechanisms import block, towards_walls
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.joint import penetration
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing, Point
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.errors import SimulationError

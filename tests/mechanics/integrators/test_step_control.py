@@ -17,7 +17,7 @@ from solar_env.mechanics.integrators.methods.rosenbrock import make_stage_arrays
 from solar_env.mechanics.integrators.methods.runge_kutta import take_stages
 from solar_env.mechanics.integrators.methods.stages import cubic_weights, quintic_weights, refresh
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Mechanism, Stop
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation, simulate

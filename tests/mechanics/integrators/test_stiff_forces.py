@@ -13,7 +13,7 @@ from solar_env.mechanics.arrays.columns import NORMAL
 from solar_env.mechanics.integrators.methods.runge_kutta import _COUPLING, _ERROR
 from solar_env.mechanics.integrators.methods.stiff_forces import COUPLING, DIAGONAL
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.numerics.linear import lu_factor, lu_solve
 from solar_env.mechanics.running.simulation import Simulation, simulate

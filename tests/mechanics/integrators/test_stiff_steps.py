@@ -14,7 +14,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.methods.runge_kutta import _COUPLING
 from solar_env.mechanics.integrators.methods.stiff_forces import COUPLING, DIAGONAL
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Load, Mechanism, Point
 from solar_env.mechanics.running.simulation import Simulation
 

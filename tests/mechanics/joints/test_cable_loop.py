@@ -11,7 +11,7 @@ from belts import LOOP, PULLING, belt
 from helpers import Forces, central_difference, rigid_motions
 from mechanisms import ROUND_BEARING
 
-from solar_env.mechanics.analysis.statics import static_equilibrium
+from solar_env.mechanics.analysis.linearization import static_equilibrium
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import direction, place

@@ -13,9 +13,9 @@ from mechanisms import ROUND_BEARING, ROUND_STOP, Vector, block, chain
 
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
+from solar_env.mechanics.joints.contact import contact_motion
 from solar_env.mechanics.joints.joint import penetration
-from solar_env.mechanics.joints.sliding import contact_motion
+from solar_env.mechanics.joints.laws import SLIDING_READINGS
 from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque, summed_torque
 from solar_env.mechanics.mechanism.description import CableLoop
 
@@ -75,7 +75,7 @@ LOOPS = {
 def test_the_power_of_the_forces_is_work_put_in_less_losses_less_growth_of_stored_energy(
     situation: str, depths: str, loop: str, sliding: str
 ) -> None:
-    for seed in range(5):
+    for seed in range(3):
         forces = random_state(seed, situation, depths, sliding=sliding, cables=LOOPS[loop])
         q, v = forces.state.q, forces.state.v
 
@@ -99,7 +99,7 @@ def test_the_power_of_the_forces_is_work_put_in_less_losses_less_growth_of_store
 @pytest.mark.parametrize(("situation", "depths"), list(product(SITUATIONS, DEPTHS)))
 @pytest.mark.parametrize("loop", LOOPS)
 def test_joint_forces_change_neither_linear_nor_angular_momentum(situation: str, depths: str, loop: str) -> None:
-    for seed in range(5):
+    for seed in range(3):
         forces = random_state(seed, situation, depths, cables=LOOPS[loop])
         q = forces.state.q
         force = forces.force(q, forces.state.v)
@@ -119,7 +119,7 @@ def test_joint_forces_do_no_work_on_the_stretch_of_a_body_by_torques() -> None:
         assert d @ (force[k + 2 : k + 4] - force[k : k + 2]) == pytest.approx(0.0, abs=1e-13 * np.abs(force).max())
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_the_joint_angle_and_its_rate_are_those_of_the_description(seed: int) -> None:
     rng = np.random.default_rng(seed)
     # The range of the angle reaches pi to either side of its middle, 0.4.
@@ -133,12 +133,6 @@ def test_the_joint_angle_and_its_rate_are_those_of_the_description(seed: int) ->
     assert forces.work.loads[:, columns.RATE] == pytest.approx(signs * np.diff(spins), abs=1e-13)
     assert forces.work.loads[:, columns.OUTBOARD_SPIN] == pytest.approx(spins[1:], abs=1e-13)
     assert forces.work.loads[:, columns.INBOARD_SPIN] == pytest.approx(spins[:-1], abs=1e-13)
-
-
-def test_the_spring_pulls_towards_its_preload_angle() -> None:
-    forces = random_state(0, "free", "flying")
-    forces.force(forces.state.q, forces.state.v)
-    assert forces.work.loads[:, columns.SPRING_TORQUE] == pytest.approx(1.3 * (0.7 - np.array(SITUATIONS["free"])))
 
 
 def test_penetration_is_eccentricity_less_clearance_and_its_rate_the_approach() -> None:
@@ -311,19 +305,6 @@ def test_the_slopes_of_a_stop_are_those_of_its_torque(depth: float, rate: float)
     assert one_sided_stop(stop_row(), depth, rate)[2:] == pytest.approx(slopes, rel=1e-8)
 
 
-@pytest.mark.parametrize("angle", [1.2, 0.5], ids=["beyond the lock angle", "short of it"])
-@pytest.mark.parametrize("rate", [-0.3, 0.3])
-def test_a_latch_brakes_whatever_way_the_joint_moves_and_its_slopes_are_those_of_its_torque(
-    angle: float, rate: float
-) -> None:
-    def torque(x: Vector) -> Vector:
-        return np.array([stop_of("free", x[0], x[1], latched=True)[0]])
-
-    found, elastic, *slopes = stop_of("free", angle, rate, latched=True)
-    assert (found - elastic) * rate < 0.0
-    assert slopes == pytest.approx(central_difference(torque, np.array([angle, rate]))[0], rel=1e-8)
-
-
 def test_a_stop_stores_energy_where_it_pushes_and_nowhere_else() -> None:
     forces = random_state(0, "free")
     joint, own = forces.model.joints[0], forces.state.joints[0]
@@ -345,15 +326,3 @@ def test_a_joint_without_a_stow_stop_folds_as_far_as_it_likes() -> None:
     forces.state.joints["latched"] = 1
     forces.force(forces.state.q, np.zeros_like(forces.state.v))
     assert forces.work.loads[0, columns.LATCH_TORQUE] == pytest.approx(3.0 * (1.5 - 0.05) ** 1.5, rel=1e-12)
-
-
-CONTACT_COLUMNS = [columns.NORMAL, columns.TANGENTIAL, columns.FORCE_X, columns.FORCE_Y]
-
-
-def test_an_ideal_joint_has_neither_gap_nor_contact() -> None:
-    rng = np.random.default_rng(0)
-    mechanism = chain(rng, angles=np.array([0.4]), eccentricities=np.zeros((1, 2)), bearing=None, stop=None)
-    forces = Forces(mechanism, impact_speed=1.0)
-    forces.force(forces.state.q, forces.state.v)
-    assert not forces.work.loads[0, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y, *CONTACT_COLUMNS]].any()
-    assert not forces.integral_powers()[0, [m.SLIDING_WORK, m.NORMAL_DISSIPATION]].any()

@@ -17,7 +17,7 @@ from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.integrators.settings import ModalRadau
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import (
     GROUND,
     Bearing,

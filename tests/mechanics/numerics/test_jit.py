@@ -13,11 +13,10 @@ from typing import Any
 
 import numba
 import pytest
+from numba.core.caching import IndexDataCacheFile
 
 import solar_env
-from solar_env.mechanics.numerics import kernel_cache
-from solar_env.mechanics.numerics.jit import cache_folder, kernel_sources
-from solar_env.mechanics.numerics.kernel_cache import private_folder
+from solar_env.mechanics.numerics.jit import KernelCache, cache_folder, kernel_sources
 
 PROGRAM = """
 import sys
@@ -65,9 +64,7 @@ def test_the_sources_of_a_kernel_are_those_that_its_module_imports(path: Path) -
     assert {file for file in files if file.is_file()} <= set(kernel_sources(path))
 
 
-@pytest.mark.parametrize(
-    "name", ["numerics/linear.py", "arrays/model.py", "bodies/natural_coordinates.py", "equations/system.py"]
-)
+@pytest.mark.parametrize("name", ["numerics/linear.py", "equations/system.py"])
 def test_an_edit_of_what_a_kernel_calls_changes_its_cache_folder(
     package: Path, cache_of: Callable[[str], Path], tmp_path: Path, name: str
 ) -> None:
@@ -109,23 +106,12 @@ def test_an_edited_kernel_runs_as_edited(package: Path, tmp_path: Path, run_pyth
     assert float(run_python(KERNEL, str(package), **environment)) == pytest.approx(2.0 * before, rel=1e-15)
 
 
-def test_a_folder_that_cannot_be_written_is_replaced_by_a_temporary_one(
-    package: Path, tmp_path: Path, run_python: Callable[..., str]
-) -> None:
-    # A file stands where the folder should be.
-    (tmp_path / "cache").write_text("")
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "TMPDIR": str(tmp_path)}
-    folder = Path(run_python(PROGRAM, str(package), "environment/task/control.py", **environment).strip())
-    assert folder.is_dir()
-    assert tmp_path in folder.parents
-
-
 def cached(function: Callable[..., Any], folder: Path) -> Any:
     """A function that is compiled, with a cache in a folder."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(numba.config, "CACHE_DIR", str(folder))
         compiled = numba.njit(function)
-        compiled._cache = kernel_cache.KernelCache(function)
+        compiled._cache = KernelCache(function)
     return compiled
 
 
@@ -135,8 +121,7 @@ def double(x: float) -> float:
 
 @needs_compiler
 @pytest.mark.parametrize("ending", [".nbi", ".nbc"])
-@pytest.mark.parametrize("damage", ["emptied", "truncated", "changed"])
-def test_a_damaged_cache_is_compiled_anew_and_holds_from_then_on(tmp_path: Path, ending: str, damage: str) -> None:
+def test_a_truncated_cache_is_compiled_anew_and_holds_from_then_on(tmp_path: Path, ending: str) -> None:
     def hits() -> int:
         compiled = cached(double, tmp_path)
         assert compiled(2.0) == 4.0
@@ -144,10 +129,7 @@ def test_a_damaged_cache_is_compiled_anew_and_holds_from_then_on(tmp_path: Path,
 
     assert [hits(), hits()] == [0, 1]
     (path,) = tmp_path.glob(f"*{ending}")
-    content = path.read_bytes()
-    middle = len(content) // 2
-    changed = content[:middle] + bytes([content[middle] ^ 255]) + content[middle + 1 :]
-    path.write_bytes({"emptied": b"", "truncated": content[:middle], "changed": changed}[damage])
+    path.write_bytes(path.read_bytes()[:100])
     assert [hits(), hits()] == [0, 1]
 
 
@@ -156,7 +138,7 @@ def test_a_full_disk_costs_the_cache_and_not_the_run(tmp_path: Path, monkeypatch
     def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(kernel_cache._CheckedFile, "_save_index", full)
+    monkeypatch.setattr(IndexDataCacheFile, "_save_index", full)
     compiled = cached(double, tmp_path)
     with pytest.warns(UserWarning, match="could not be kept"):
         assert compiled(2.0) == 4.0
@@ -174,33 +156,20 @@ def test_compiled_kernels_are_found_again_wherever_the_package_lies(
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="permissions of POSIX")
-@pytest.mark.parametrize("above", [False, True])
-def test_a_folder_of_kernels_that_others_can_write_is_refused(tmp_path: Path, above: bool) -> None:
-    folder = private_folder(tmp_path / "own" / "cache")
-    assert folder.stat().st_mode & 0o777 == 0o700
-    open_one = folder.parent if above else folder
-    open_one.chmod(0o777)
-    remedy = rf"delete {folder} \(rm -r\) if it holds nothing else, and kernels are compiled anew"
-    if above:
-        remedy = rf"take their right away \(chmod go-w {open_one}\), {remedy}"
-    with pytest.raises(OSError, match=rf"others can write in {open_one}, .* is executed; {remedy}"):
-        private_folder(folder)
-
-
-@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives files away")
-@pytest.mark.parametrize("above", [False, True])
-def test_a_folder_of_kernels_of_or_below_one_of_another_user_is_refused(tmp_path: Path, above: bool) -> None:
-    folder = private_folder(tmp_path / "theirs" / "own")
-    theirs = folder.parent if above else folder
-    os.chown(theirs, 12345, -1)
-    who = "belongs to another user" + ", who can put any folder in the place" * above
-    with pytest.raises(OSError, match=f"{theirs}.* {who}"):
-        private_folder(folder)
-
-
-def test_a_folder_with_the_sticky_bit_may_lie_above(tmp_path: Path) -> None:
-    tmp_path.chmod(0o1777)
-    assert private_folder(tmp_path / "cache").is_dir()
+def test_a_folder_of_kernels_that_others_can_write_or_that_cannot_be_made_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    folder = Path(cache_folder.__wrapped__(COMPILING[0]))
+    assert folder.stat().st_mode & 0o777 == folder.parent.stat().st_mode & 0o777 == 0o700
+    for place in (folder, folder.parent):
+        place.chmod(0o777)
+        with pytest.raises(OSError, match=f"others can write in {place}, .* set NUMBA_CACHE_DIR"):
+            cache_folder.__wrapped__(COMPILING[0])
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
+    with pytest.raises(OSError, match=f"{tmp_path / 'file'}, .* cannot be made .*; set NUMBA_CACHE_DIR"):
+        cache_folder.__wrapped__(COMPILING[0])
 
 
 def test_the_compilers_own_settings_are_left_alone() -> None:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController, growth, shortened
+from solar_env.mechanics.numerics.step_size import StepController, growth, shortened
 
 BOTH = pytest.mark.parametrize("integral", [0.0, 0.4], ids=["proportional", "and integral"])
 ORDERS = pytest.mark.parametrize("order", [2.0, 4.0, 8.0])
@@ -42,16 +42,3 @@ def test_no_step_shrinks_faster_than_the_controller_allows(error):
 @pytest.mark.parametrize("error", [0.0, 1e-300, 1e-9])
 def test_no_step_grows_faster_than_the_controller_allows(error):
     assert growth(StepController(4.0, most_growth=4.0), error, 1.0) == 4.0
-
-
-@pytest.mark.parametrize("last_error", [1e-4, 1.0])
-def test_left_to_itself_the_controller_aims_at_the_tolerance_whatever_the_step_before(last_error):
-    control = StepController(4.0)
-    # An error of a sixteenth grows to the tolerance in a step of twice the size; a tenth is left for safety.
-    assert growth(control, 1.0 / 16.0, last_error) == pytest.approx(0.9 * 2.0, rel=1e-14)
-    assert growth(control, 1e-5, last_error) == 10.0
-    assert shortened(control, 3.0, 1e30) == pytest.approx(0.3, rel=1e-14)
-
-
-def test_a_step_that_was_not_solved_is_tried_again_shorter():
-    assert 0.0 < UNSOLVED < 1.0

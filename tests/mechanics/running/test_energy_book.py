@@ -12,8 +12,7 @@ from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, RungeKutta
-from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS
-from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
+from solar_env.mechanics.joints.laws import CONTACT_LAWS, SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import GROUND, Body, Joint, Mechanism, Stop
 from solar_env.mechanics.running.simulation import Simulation, simulate
 
@@ -63,12 +62,11 @@ def test_the_energy_book_closes_for_every_contact_law_and_sliding_speed(law: str
         assert abs(run.energies["contact_dissipation"][-1]) < 1e-12
 
 
-@pytest.mark.parametrize("law", FRICTION_LAWS)
 @pytest.mark.parametrize(
     "integrator", [RungeKutta(), GeneralizedAlpha(step=2e-5), ModalRadau(rtol=1e-4)], ids=lambda i: i.name
 )
-def test_the_energy_book_closes_for_every_friction_law(law: str, integrator: Integrator) -> None:
-    run = simulate(build(ArrayParameters(friction_law=law, friction_speed_full=1e-2)), 3.0, integrator=integrator)
+def test_the_energy_book_closes_for_every_method(integrator: Integrator) -> None:
+    run = simulate(build(ArrayParameters(friction_speed_full=1e-2)), 3.0, integrator=integrator)
     assert run.contact_starts.min() > 10
     assert run.energy_residual < 1e-4 * run.energy_put_in
     assert run.energies["friction_dissipation"][-1] > 0.0
@@ -108,13 +106,3 @@ def test_the_work_of_a_motor_is_torque_times_angle_and_balances(
     # The book is kept to the tolerance of energy of every step.
     assert booked == pytest.approx(work, rel=tolerance)
     assert abs(simulation.energy_residual()) < 1e-5 * 0.5
-
-
-def test_a_free_array_keeps_its_momentum_through_every_impact() -> None:
-    simulation = Simulation(build(ArrayParameters()))
-    speed = 0.0
-    for end in np.linspace(0.1, 3.0, 30):
-        simulation.advance(end)
-        speed = max(speed, np.abs(simulation.state.v).max())
-        assert np.abs(simulation.momenta()[:2]).max() < 1e-10 * 6.0 * speed
-    assert simulation.state.joints["contact_starts"].min() > 10

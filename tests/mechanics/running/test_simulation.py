@@ -17,10 +17,8 @@ from mechanisms import block, pendulum, rotor
 from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_array
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.arrays.columns import ANGLE, FORCE_X, FORCE_Y, NORMAL
+from solar_env.mechanics.arrays.columns import ANGLE, FORCE_X, FORCE_Y
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, Rosenbrock, RungeKutta
-from solar_env.mechanics.records.recording import make_recorder
-from solar_env.mechanics.running.pace import Pace
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 
@@ -95,7 +93,7 @@ def test_results_depend_neither_on_samples_nor_progress_nor_buffers_nor_on_how_o
     with monkeypatch.context() as patch:
         patch.setattr("solar_env.mechanics.running.simulation._CONTACTS_PER_DRAIN", 3)
         same_samples.append(run())
-    monkeypatch.setattr(Pace, "begin", lambda *_: 7)
+    monkeypatch.setattr("solar_env.mechanics.running.simulation.STEPS_PER_CALL", 7)
     same_samples.append(run())
     assert len(whole.contacts) > 10
     assert len(told) > 10
@@ -127,7 +125,7 @@ def test_the_contact_table_agrees_with_the_totals() -> None:
 
 @every_integrator
 @pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance"])
-@pytest.mark.parametrize(("panels", "duration"), [(1, 11.0), (3, 17.0), (4, 21.0)])
+@pytest.mark.parametrize(("panels", "duration"), [(1, 11.0), (4, 21.0)])
 def test_arrays_of_any_number_of_panels_deploy_and_latch(
     panels: int, duration: float, model: str, integrator: Integrator
 ) -> None:
@@ -153,15 +151,6 @@ def test_an_impulse_stops_what_it_should() -> None:
     simulation.advance(0.0045)
     assert simulation.state.joints["in_contact"][0] == 0
     assert simulation.state.integrals[m.IMPULSE] == pytest.approx(0.3 - simulation.state.v[0], rel=1e-7)
-
-
-def test_joint_loads_show_the_present_contact() -> None:
-    simulation = in_contact(EXAMPLES[0])
-    loads = simulation.joint_loads()
-    touching = simulation.state.joints["in_contact"].astype(bool)
-    assert np.all(loads[touching, NORMAL] >= 0.0)
-    assert loads[touching, NORMAL].max() > 0.0
-    assert not loads[~touching, NORMAL].any()
 
 
 @pytest.mark.parametrize("torque", [math.nan, math.inf, -math.inf])
@@ -194,17 +183,6 @@ def test_samples_without_number_are_refused_before_the_run(step: float) -> None:
         simulate(pendulum(), 30.0, output_step=step)
     with pytest.raises(ValueError, match=wanted):
         simulate_array(output_step=step)
-
-
-def test_samples_that_memory_has_no_room_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(model: Any, state: Any, times: Any, contacts: int) -> Any:
-        if len(times) > 0:
-            raise MemoryError
-        return make_recorder(model, state, times, contacts)
-
-    monkeypatch.setattr("solar_env.mechanics.running.simulation.make_recorder", full)
-    with pytest.raises(ValueError, match=r"output_step = 0.1 s makes 10 samples of 1.0 s, more than this machine has"):
-        simulate(pendulum(), 1.0, output_step=0.1)
 
 
 UNCOMPILED = """

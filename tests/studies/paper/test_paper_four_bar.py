@@ -12,7 +12,7 @@ from solar_env.array import ArrayParameters
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link
 from solar_env.studies.paper import cases
 from solar_env.studies.paper.figures import FIGURES
-from solar_env.verification.linkages.linkage_theory import LinkageState, four_bar_state
+from solar_env.verification.linkages.four_bar import LinkageState, four_bar_state
 
 LENGTHS, GROUND = (0.10, 0.35, 0.25), 0.40  # m
 

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from solar_env.mechanics.integrators.settings import RungeKutta, amplification_radius, steps_per_impact
-from solar_env.mechanics.joints.contact.laws import contact_law
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.laws import PowerLaw, contact_law
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.stability import friction_maps, impact_maps, step_maps
 from solar_env.studies.stability.maps import Kind, Said, silent_failures

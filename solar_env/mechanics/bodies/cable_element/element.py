@@ -13,11 +13,17 @@ from collections.abc import Iterable
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from solar_env.mechanics.arrays.model import Elements
 from solar_env.mechanics.bodies.cable_element.forces import LANES
-from solar_env.mechanics.bodies.cable_element.matrices import MASS_BAND, factor_band, mass_band
-from solar_env.mechanics.bodies.cable_element.stable_step import beam_stable_step
+from solar_env.mechanics.bodies.cable_element.matrices import (
+    MASS_BAND,
+    factor_band,
+    lower_band,
+    mass_matrix,
+    stable_step,
+)
 from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody, Point
 from solar_env.mechanics.bodies.kind import Array, BodyKind, Fields
 from solar_env.mechanics.numerics.jit import kernel
@@ -47,10 +53,10 @@ class CableElements(BodyKind[FlexibleBody]):
         """Fill stiffness and damping; the mass matrix and its factors are constants."""
         for name in ("length", "elements", "element_length", "axial_stiffness", "bending_stiffness", "damping"):
             row[name] = getattr(body, name)
-        band = mass_band(body.elements, body.element_length, body.linear_density)
-        for name, matrix in (("mass_band", band), ("mass_factor", factor_band(band))):
+        mass = mass_matrix(body.elements, body.element_length, body.linear_density)
+        for name, band in (("mass_band", lower_band(mass)), ("mass_factor", factor_band(mass))):
             row[name] = len(constants)
-            constants += matrix.ravel().tolist()
+            constants += band.ravel().tolist()
 
     def fill_marker(self, body: FlexibleBody, row: np.void, first: int, point: Point) -> None:
         """Fill the node; a marker is at a node only, and its direction is the slope."""
@@ -86,14 +92,8 @@ class CableElements(BodyKind[FlexibleBody]):
 
     def stable_step(self, body: FlexibleBody) -> float:
         """Return the stable step of the free straight beam."""
-        return beam_stable_step(
-            body.elements,
-            body.element_length,
-            body.linear_density,
-            body.axial_stiffness,
-            body.bending_stiffness,
-            body.damping,
-        )
+        stiffness = body.axial_stiffness, body.bending_stiffness
+        return stable_step(body.elements, body.element_length, body.linear_density, *stiffness, body.damping)
 
     def rigid_motions(self, q: Array) -> Array:
         """Return the rigid motions of nodes whose slopes do not change in a translation."""
@@ -103,29 +103,11 @@ class CableElements(BodyKind[FlexibleBody]):
 
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
         """Return equally spaced points on the cubic polynomial of every element; a shared node counts once."""
-        nodes = q.reshape(*q.shape[:-1], int(row["elements"]) + 1, 2, 2)
-        shares = np.arange(points_per_element) / points_per_element
-        inner = _interpolate(nodes[..., :-1, :, :], nodes[..., 1:, :, :], float(row["element_length"]), shares)
-        return np.concatenate([inner, nodes[..., -1:, 0, :]], axis=-2)
-
-
-def _interpolate(start: Array, end: Array, length: float, shares: Array) -> Array:
-    """Cubic Hermite interpolation within every element.
-
-    Args:
-        start, end: (..., elements, 2, 2) position [m] and slope at the nodes of the elements.
-        length: of an element [m].
-        shares: (p,) where, from 0 at the start to 1 at the end.
-
-    Returns:
-        (..., elements * p, 2) points [m].
-    """
-    s = shares[:, None]
-    weights = ((1.0 + 2.0 * s) * (1.0 - s) ** 2, length * s * (1.0 - s) ** 2,
-               s * s * (3.0 - 2.0 * s), length * s * s * (s - 1.0))  # fmt: skip
-    nodal = (start[..., None, 0, :], start[..., None, 1, :], end[..., None, 0, :], end[..., None, 1, :])
-    points = sum(weight * value for weight, value in zip(weights, nodal, strict=True))
-    return np.reshape(points, (*start.shape[:-3], -1, 2))
+        elements = int(row["elements"])
+        nodes = q.reshape(*q.shape[:-1], elements + 1, 2, 2)
+        places = np.arange(elements + 1) * float(row["element_length"])
+        curve = CubicHermiteSpline(places, nodes[..., 0, :], nodes[..., 1, :], axis=-2)
+        return np.asarray(curve(np.linspace(0.0, places[-1], elements * points_per_element + 1)))
 
 
 def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.model import Model, State
-from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
+from solar_env.mechanics.arrays.trial import joint_motion_type, trial_type
 from solar_env.mechanics.bodies.natural_coordinates import add_length_force
 from solar_env.mechanics.equations.constraints import add_row, constraint_drift, prepare_response, project
 from solar_env.mechanics.equations.newton import (
@@ -244,8 +244,10 @@ class AlphaArrays(NamedTuple):
 
 def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
     """Allocate the arrays for a mechanism."""
-    work, motion = make_workspace(model, state), make_joint_motions(state.joints.size)
-    return AlphaArrays(make_trial(), motion, work, make_workspace(model, state), make_iteration(model, state, work))
+    work, motion = make_workspace(model, state), np.zeros(state.joints.size, joint_motion_type)
+    return AlphaArrays(
+        np.zeros(1, trial_type), motion, work, make_workspace(model, state), make_iteration(model, state, work)
+    )
 
 
 def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:

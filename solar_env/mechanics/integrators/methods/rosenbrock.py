@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import EXACT, Model, State
-from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
+from solar_env.mechanics.arrays.trial import joint_motion_type, trial_type
 from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import Workspace, make_workspace
 from solar_env.mechanics.integrators.methods.rosenbrock_step import (
@@ -95,7 +95,8 @@ def make_stage_arrays(model: Model, state: State) -> StageArrays:
     """Allocate the arrays for a mechanism."""
     work, scratch = make_workspace(model, state), make_workspace(model, state)
     stages, stiff, step = make_stages(state, STAGES), make_stiff_forces(state), make_linear_step(model, state, work)
-    return StageArrays(make_trial(), make_joint_motions(state.joints.size), work, scratch, stages, stiff, step)
+    trial, motion = np.zeros(1, trial_type), np.zeros(state.joints.size, joint_motion_type)
+    return StageArrays(trial, motion, work, scratch, stages, stiff, step)
 
 
 @kernel(single_caller=True)

@@ -17,7 +17,7 @@ from solar_env.mechanics.integrators.methods.stages import (
     set_impact_speeds,
 )
 from solar_env.mechanics.integrators.methods.stiff_forces import lasts
-from solar_env.mechanics.joints.contact.normal_force import normal_force
+from solar_env.mechanics.joints.contact import normal_force
 from solar_env.mechanics.joints.joint import joint_motion, penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import ENERGIES, EXACT, State
 from solar_env.mechanics.equations.system import accelerations
-from solar_env.mechanics.joints.joint import relative, relative_velocity
+from solar_env.mechanics.joints.joint import relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
@@ -129,10 +129,10 @@ def hermite_depth(joint, markers, state, stages, h, share):
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
     ex0, ey0 = relative(joint, markers, state.q)
     ex1, ey1 = relative(joint, markers, stages.q)
-    ux0, uy0 = relative_velocity(joint, markers, state.q, state.v)
-    ux1, uy1 = relative_velocity(joint, markers, stages.q, stages.v)
-    ax0, ay0 = relative_velocity(joint, markers, state.q, acceleration[0])
-    ax1, ay1 = relative_velocity(joint, markers, stages.q, acceleration[-1])
+    ux0, uy0 = relative(joint, markers, state.v)
+    ux1, uy1 = relative(joint, markers, stages.v)
+    ax0, ay0 = relative(joint, markers, acceleration[0])
+    ax1, ay1 = relative(joint, markers, acceleration[-1])
     ex = p0 * ex0 + r0 * ex1 + h * (p1 * ux0 + r1 * ux1 + h * (p2 * ax0 + r2 * ax1))
     ey = p0 * ey0 + r0 * ey1 + h * (p1 * uy0 + r1 * uy1 + h * (p2 * ay0 + r2 * ay1))
     return math.sqrt(ex * ex + ey * ey) - joint.clearance

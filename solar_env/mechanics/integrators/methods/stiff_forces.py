@@ -23,10 +23,8 @@ from solar_env.mechanics.bodies.markers import add_point_force, add_torque, spin
 from solar_env.mechanics.equations.constraints import prepare_response
 from solar_env.mechanics.equations.system import acceleration_response, accelerations
 from solar_env.mechanics.joints import torques
-from solar_env.mechanics.joints.contact.normal_force import normal_force
-from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import joint_motion, penetration, relative, relative_velocity
-from solar_env.mechanics.joints.sliding import contact_motion
+from solar_env.mechanics.joints.contact import contact_motion, friction_share, normal_force
+from solar_env.mechanics.joints.joint import joint_motion, penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
 from solar_env.mechanics.records.history import IMPACT_DURATIONS
@@ -72,7 +70,7 @@ def contact_directions(joint, markers, q, v, gradient, force):
     """Write the gradient of a contact's depth and the generalized force of a unit opening force with its friction."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ex, ey = relative(joint, markers, q)
-    ux, uy = relative_velocity(joint, markers, q, v)
+    ux, uy = relative(joint, markers, v)
     motion = contact_motion(joint, ex, ey, ux, uy, spin(outboard, q, v), spin(inboard, q, v))
     nx, ny = motion.normal_x, motion.normal_y
     add_point_force(outboard, nx, ny, gradient)

@@ -18,7 +18,7 @@ from solar_env.mechanics.arrays.model import (
     SLIDING_WORK,
 )
 from solar_env.mechanics.joints.cable_loop import cable_torque
-from solar_env.mechanics.joints.contact.normal_force import contact_energy, normal_force
+from solar_env.mechanics.joints.contact import contact_energy, normal_force
 from solar_env.mechanics.joints.torques import (
     add_cable_power,
     add_torque_energies,

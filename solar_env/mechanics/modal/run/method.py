@@ -11,8 +11,7 @@ import numpy as np
 
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, IDEAL, NEWTON_STALLED, SINGULAR_CONSTRAINTS
-from solar_env.mechanics.joints.contact.normal_force import normal_force
-from solar_env.mechanics.joints.friction.friction_share import friction_share
+from solar_env.mechanics.joints.contact import friction_share, normal_force
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,

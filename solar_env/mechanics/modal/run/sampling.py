@@ -5,7 +5,7 @@ import math
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.joints.cable_loop import cable_torque
-from solar_env.mechanics.joints.friction.friction_share import friction_share
+from solar_env.mechanics.joints.contact import friction_share
 from solar_env.mechanics.joints.torques import enter_cable, enter_torques, hinge_torques
 from solar_env.mechanics.modal.arrays import DEPTH, OTHER, SLIDING_SPEED, STRETCH
 from solar_env.mechanics.modal.run.books import stored_energies

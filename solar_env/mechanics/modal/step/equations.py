@@ -1,9 +1,7 @@
 """Equations of the loads at the stages: torques, contact forces and reactions, each a row of Newton's matrix."""
 
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
-from solar_env.mechanics.joints.contact.normal_force import normal_force
-from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.sliding import sliding_share
+from solar_env.mechanics.joints.contact import friction_share, normal_force, sliding_share
 from solar_env.mechanics.joints.torques import hinge_torques, torque_of_motion
 from solar_env.mechanics.modal.arrays import (
     DEPTH,

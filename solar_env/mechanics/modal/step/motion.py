@@ -4,7 +4,7 @@ import math
 
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, INBOARD_SPIN, OUTBOARD_SPIN, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE
-from solar_env.mechanics.joints.sliding import contact_motion
+from solar_env.mechanics.joints.contact import contact_motion
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,

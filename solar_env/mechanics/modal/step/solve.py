@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from solar_env.mechanics.arrays.columns import ANGLE, RATE
 from solar_env.mechanics.arrays.model import IDEAL
-from solar_env.mechanics.joints.sliding import sliding_share
+from solar_env.mechanics.joints.contact import sliding_share
 from solar_env.mechanics.modal.arrays import (
     CABLE_ROW,
     DEPTH,

@@ -1,10 +1,14 @@
-"""How a journal that touches its bearing approaches it and slides in it."""
+"""Contact of a journal in its bearing, compiled: its motion, its normal force, and its friction."""
 
 import math
 from typing import NamedTuple
 
-from solar_env.mechanics.joints.friction.laws import MATERIAL, PLACES
+from solar_env.mechanics.joints.laws import MATERIAL, PLACES, PowerLaw
 from solar_env.mechanics.numerics.jit import kernel
+
+_power_force = kernel(PowerLaw.force, inlined=True)
+_power_energy = kernel(PowerLaw.energy)
+_power_scales = kernel(PowerLaw.impact_scales)
 
 
 class ContactMotion(NamedTuple):
@@ -41,14 +45,7 @@ def sliding_share(joint, depth):
 
 @kernel(inlined=True)
 def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
-    """Motion of a journal relative to its bearing, along and across the line of centres.
-
-    Args:
-        joint: row of the model.
-        ex, ey: journal's centre relative to the bearing's [m].
-        ux, uy: its rate [m/s].
-        outboard_spin, inboard_spin: of journal and bearing [rad/s].
-    """
+    """Motion of a journal whose centre lies (ex, ey) [m] off its bearing's and moves at (ux, uy) [m/s]."""
     radius = math.sqrt(ex * ex + ey * ey)
     # A centred journal has no line of centres, and no contact either.
     size = radius if radius > 0.0 else 1.0
@@ -67,3 +64,43 @@ def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
         slip=slip,
         sliding_speed=slip if joint.sliding == MATERIAL else across * sliding_share(joint, radius - joint.clearance),
     )
+
+
+@kernel(inlined=True)
+def normal_force(joint, depth, rate, impact_speed):
+    """Normal force [N], compressive positive, its elastic part, and its slopes by depth [N/m] and rate [N s/m].
+
+    Nothing acts where the depth is not positive; the contact began at the `impact_speed` [m/s].
+    """
+    if depth <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    return _power_force(joint.contact, depth, rate, impact_speed)
+
+
+@kernel
+def contact_energy(joint, depth):
+    """Energy [J] that a contact stores at a depth [m]."""
+    return _power_energy(joint.contact, depth) if depth > 0.0 else 0.0
+
+
+@kernel
+def impact_scales(joint, inverse_mass, impact_speed):
+    """Greatest depth [m] and duration [s] of an impact without damping, at an inverse effective mass [1/kg]."""
+    return _power_scales(joint.contact, inverse_mass, impact_speed)
+
+
+@kernel(inlined=True)
+def friction_share(joint, sliding_speed):
+    """Share of the Coulomb force at a sliding speed [m/s], with its sign, and its slope by the speed [s/m].
+
+    Friction is ramped in between two speeds (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188,
+    Eqs 41-42).
+    """
+    zero, full = joint.friction_speed_zero, joint.friction_speed_full
+    magnitude = abs(sliding_speed)
+    if magnitude <= zero:
+        return 0.0, 0.0
+    sign = 1.0 if sliding_speed > 0.0 else -1.0
+    if magnitude >= full:
+        return sign, 0.0
+    return sign * (magnitude - zero) / (full - zero), 1.0 / (full - zero)

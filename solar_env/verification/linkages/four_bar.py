@@ -1,0 +1,195 @@
+"""Cases of the four-bar linkage with a prescribed crank: ideal pins over a turn, and one pin with play.
+
+The theory is closed-form kinematics and Newton-Euler inverse dynamics. Complex numbers stand for vectors of the plane.
+Differentiating the closed loop once and twice gives the rates of the driven links; moments about two pins give the
+force in the last moving pin, and balances of forces the other ones (J. J. Uicker, G. R. Pennock and J. E. Shigley,
+Theory of Machines and Mechanisms, Oxford University Press).
+"""
+
+import cmath
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.integrate import cumulative_simpson
+
+from solar_env.mechanics.arrays.columns import FORCE_X, FORCE_Y
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.mechanism.textbook import FOUR_BAR_PINS, STANDARD_GRAVITY, Link, flores_bearing, four_bar
+from solar_env.mechanics.running.simulation import Simulation, simulate
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.verification.checks import Check
+
+# Crank, coupler, rocker, distance of the ground pins [m], rate [rad/s]; the crank's first angle [rad].
+FOUR_BAR = (Link.slender(0.10, 0.10), Link(0.35, 0.5, 0.004), Link.slender(0.25, 0.25), 0.40, 2.0 * math.pi)
+FOUR_BAR_START = 0.5
+RATE = FOUR_BAR[-1]
+SAMPLES = 720  # per turn; an extreme is missed by at most 5e-6 of its value
+NEWTON_EULER = "closed-form kinematics and Newton-Euler inverse dynamics"
+GEOMETRY = "play moves a pin by no more than clearance and penetration; closed-form kinematics"
+BOOKS = "conservation of energy"
+
+
+@dataclass(frozen=True)
+class LinkageState:
+    """Motion and forces at one crank angle.
+
+    Attributes:
+        output: rocker's angle [rad].
+        output_rate: [rad/s].
+        output_acceleration: [rad/s2].
+        crank_moment: that keeps the crank turning uniformly [N m].
+        pin_forces: by pin in the order of the mechanism's, each on its outboard body [N].
+        play_gain: greatest change of the angle per displacement of a journal in any one pin, to first order [rad/m].
+    """
+
+    output: float
+    output_rate: float
+    output_acceleration: float
+    crank_moment: float
+    pin_forces: tuple[complex, ...]
+    play_gain: float
+
+
+def _moment(arm: complex, force: complex) -> float:
+    return (arm.conjugate() * force).imag
+
+
+def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: float) -> float:
+    """Moment of the inertia force and couple of a link about a point, `arm` before its centroid."""
+    return link.inertia * spin_rate + _moment(arm, link.mass * acceleration)
+
+
+def four_bar_state(
+    crank: Link, coupler: Link, rocker: Link, ground_length: float, rate: float, angle: float, gravity: float
+) -> LinkageState:
+    """Open four-bar at a crank angle [rad] and a uniform rate [rad/s]; gravity towards -y."""
+    pin = cmath.rect(crank.length, angle)
+    # Freudenstein: the rocker's angle from the triangle over the diagonal between its ground pin and the crank pin.
+    diagonal = pin - ground_length
+    cosine = (rocker.length**2 + abs(diagonal) ** 2 - coupler.length**2) / (2.0 * rocker.length * abs(diagonal))
+    rocker_arm = cmath.rect(rocker.length, cmath.phase(diagonal) - math.acos(cosine))
+    coupler_arm = ground_length + rocker_arm - pin
+    # Loop: crank + coupler - rocker = ground, differentiated once and twice.
+    matrix = np.array([[-coupler_arm.imag, rocker_arm.imag], [coupler_arm.real, -rocker_arm.real]])
+
+    def close(vector: complex) -> tuple[float, float]:
+        solution = np.linalg.solve(matrix, [-vector.real, -vector.imag])
+        return float(solution[0]), float(solution[1])
+
+    coupler_spin, rocker_spin = close(1j * rate * pin)
+    pin_acceleration = -(rate**2) * pin
+    coupler_spin_rate, rocker_spin_rate = close(
+        pin_acceleration - coupler_spin**2 * coupler_arm + rocker_spin**2 * rocker_arm
+    )
+    # Accelerations less that of gravity: weights count as inertia forces.
+    up = 1j * gravity
+    crank_effective = pin_acceleration / 2.0 + up
+    coupler_effective = pin_acceleration + (1j * coupler_spin_rate - coupler_spin**2) * coupler_arm / 2.0 + up
+    rocker_effective = (1j * rocker_spin_rate - rocker_spin**2) * rocker_arm / 2.0 + up
+    # Force F on the rocker at its moving pin: moments on the coupler about the crank pin, on the rocker about its own.
+    moments = [
+        -_inertia_moment(coupler, coupler_arm / 2.0, coupler_effective, coupler_spin_rate),
+        _inertia_moment(rocker, rocker_arm / 2.0, rocker_effective, rocker_spin_rate),
+    ]
+    arms = np.array([[-coupler_arm.imag, coupler_arm.real], [-rocker_arm.imag, rocker_arm.real]])
+    rocker_force = complex(*np.linalg.solve(arms, moments))
+    coupler_force = coupler.mass * coupler_effective + rocker_force
+    crank_force = crank.mass * crank_effective + coupler_force
+    ground_rocker_force = rocker.mass * rocker_effective - rocker_force
+    return LinkageState(
+        output=cmath.phase(rocker_arm),
+        output_rate=rocker_spin,
+        output_acceleration=rocker_spin_rate,
+        crank_moment=_moment(pin / 2.0, crank.mass * crank_effective) + _moment(pin, coupler_force),
+        pin_forces=(crank_force, coupler_force, rocker_force, ground_rocker_force),
+        # Play along the coupler turns the rocker by its share across it: 1 / sin(transmission angle).
+        play_gain=coupler.length / abs(_moment(coupler_arm, rocker_arm)),
+    )
+
+
+def rocker_state(turned: float) -> LinkageState:
+    """State of the ideal linkage when its crank has turned by an angle [rad]."""
+    return four_bar_state(*FOUR_BAR, FOUR_BAR_START + turned, STANDARD_GRAVITY)
+
+
+def _figures(simulation: Simulation) -> dict[str, Any]:
+    """Motion of the rocker, crank moment and pin forces now, by name."""
+    state, model = simulation.state, simulation.model
+    q, v, a = (complex(x[10] - x[8], x[11] - x[9]) for x in state[:3])
+    # The drive's constraint is the component across the prescribed direction, of a vector of the crank's length.
+    moment = -float(state.multipliers[model.drives[0]["row"]] * FOUR_BAR[0].length)
+    return {
+        "rocker angle": cmath.phase(q),
+        "rocker rate": (v / q).imag,
+        "rocker angular acceleration": (a / q - (v / q) ** 2).imag,
+        "crank moment": moment,
+        "pin forces, all components": simulation.joint_loads()[:, [FORCE_X, FORCE_Y]].ravel(),
+    }
+
+
+def four_bar_cycle() -> Iterator[Check]:
+    """Crank-rocker under gravity with ideal pins over one turn, after half a turn."""
+    step = 2.0 * math.pi / RATE / (8 * SAMPLES)
+    # Tolerances: the local one, and the tenfold of (rate * step)^2.
+    choices: tuple[tuple[Integrator, float], ...] = (
+        (RungeKutta(rtol=1e-9), 1e-9),
+        (GeneralizedAlpha(step=step), 10.0 * (RATE * step) ** 2),
+    )
+    turned = math.pi + 2.0 * math.pi * np.arange(1, SAMPLES + 1) / SAMPLES
+    states = [rocker_state(angle) for angle in turned]
+    exact = [
+        [s.output for s in states],
+        [s.output_rate for s in states],
+        [s.output_acceleration for s in states],
+        [s.crank_moment for s in states],
+        [[part for force in s.pin_forces for part in (force.real, force.imag)] for s in states],
+    ]
+    for integrator, tolerance in choices:
+        simulation = Simulation(four_bar(*FOUR_BAR, FOUR_BAR_START), integrator)
+        rows = []
+        for angle in turned:
+            simulation.advance(angle / RATE)
+            rows.append(_figures(simulation))
+        for name, expected in zip(rows[0], map(np.array, exact), strict=True):
+            difference = np.abs(np.array([row[name] for row in rows]) - expected).max() / np.abs(expected).max()
+            quantity = f"{name}: greatest difference over the amplitude, {integrator.name}"
+            yield Check(quantity, 0.0, difference, tolerance, NEWTON_EULER)
+
+
+def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
+    """Greatest difference of the crank's work in a twentieth of the last turn, relative to the greatest work.
+
+    Work, since forces ring on in a contact that is hardly damped.
+    """
+    power = RATE * np.array([state.crank_moment for state in ideal])
+    exact = cumulative_simpson(power, x=motion.time, initial=0.0)
+    last = slice(len(motion.time) - 1 - SAMPLES, None, SAMPLES // 20)
+    expected, obtained = np.diff(exact[last]), np.diff(motion.energies["external_work"][last])
+    return float(np.abs(obtained - expected).max() / np.abs(expected).max())
+
+
+def four_bar_clearance() -> Iterator[Check]:
+    """Crank-rocker under gravity, each pin in turn with play; the weights keep every pin in contact."""
+    turn = 2.0 * math.pi / RATE
+    for joint, pin in enumerate(FOUR_BAR_PINS):
+        for clearance in (1e-4, 1e-5):
+            bearings = {pin: replace(flores_bearing(clearance), friction_coefficient=0.0)}
+            mechanism = four_bar(*FOUR_BAR, FOUR_BAR_START, clearances=bearings)
+            motion = simulate(mechanism, 1.5 * turn, integrator=RungeKutta(rtol=1e-6), output_step=turn / SAMPLES)
+            ideal, q = [rocker_state(RATE * time) for time in motion.time], motion.coordinates
+            angle = np.arctan2(q[:, 11] - q[:, 9], q[:, 10] - q[:, 8])
+            reach = clearance + np.maximum(motion.penetration[:, joint], 0.0).max()
+            allowed = reach * np.array([state.play_gain for state in ideal])
+            # The allowance is of first order in the play.
+            excess = float((np.abs(angle - [state.output for state in ideal]) / allowed).max()) - 1.0
+            label = f"pin {pin}, c = {1e3 * clearance:g} mm"
+            quantity = f"{label}: excess of the rocker's deviation over what the play allows, relative"
+            yield Check(quantity, 0.0, max(excess, 0.0), 0.01, GEOMETRY)
+            residual = motion.energy_residual / float(np.abs(motion.energies["external_work"]).max())
+            yield Check(f"{label}: energy residual over the crank's greatest work", 0.0, residual, 1e-5, BOOKS)
+        # The play is 1e-4 of the crank; the journal keeps swinging in it, for without friction nothing stops it.
+        quantity = f"{label}: crank's work in twentieths of a turn"
+        yield Check(quantity, 0.0, _work_error(motion, ideal), 0.02, NEWTON_EULER)

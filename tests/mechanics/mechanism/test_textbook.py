@@ -31,7 +31,6 @@ def test_all_pins_can_be_clearance_joints_at_once():
     assert motion.energy_residual < 1e-5 * motion.energy_put_in
 
 
-
 def test_both_integrators_agree_on_the_first_impacts_of_a_clearance_pin():
     mechanism = four_bar(crank_rate=50.0, clearances={"coupler-rocker": flores_bearing()})
     runs = [simulate(mechanism, 0.02, integrator=i) for i in (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=1e-6))]

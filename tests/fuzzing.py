@@ -182,7 +182,7 @@ TARGETS = {
         parameters, (ValueError,), lambda: [b'{"clearance": [1e-4, 2e-4], "contact_law": "flores"}', b"1e-4"]
     ),
     "array-file": Target(
-        array_file, (ValueError,), lambda: [b"clearance = [1e-4, 2e-4]\n[tolerance]\nspring_stiffness = 0.01\n"]
+        array_file, (ValueError,), lambda: [b"clearance = [1e-4, 2e-4]\n[randomize]\nspring_stiffness = [0.09, 0.1]\n"]
     ),
     "command-line": Target(
         command_line,

@@ -46,11 +46,7 @@ def write_data(trajectory: Trajectory, path: Path) -> None:
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
-    """Write a CSV file of columns (n,) by their names, with as many digits as the numbers have.
-
-    Raises:
-        OSError: if it cannot be written.
-    """
+    """Write a CSV file of columns (n,) by their names, with as many digits as the numbers have."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from solar_env.array import MODELS, ArrayParameters, ModelLevel, build
-from solar_env.array.compilation import compilation_note, kernels_are_compiled, mark_compiled
-from solar_env.array.methods import make_integrator
+from solar_env.array.methods import compilation_note, kernels_are_compiled, make_integrator, mark_compiled
 from solar_env.mechanics.integrators.settings import INTEGRATORS, ModalRadau
 from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.array.compilation import announce_compilation, mark_compiled
+from solar_env.array.methods import announce_compilation, mark_compiled
 from solar_env.environment.figures import episode_figures
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film

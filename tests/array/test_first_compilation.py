@@ -6,7 +6,7 @@ import pytest
 
 import solar_env  # noqa: F401 (registers the environments)
 from solar_env.__main__ import main
-from solar_env.array import compilation
+from solar_env.array import methods as compilation
 from solar_env.array.deployment import simulate
 from solar_env.environment.registration import DEPLOY
 

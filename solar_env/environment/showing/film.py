@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, main_body_corners
-from solar_env.array.parameters.plan import MAIN_BODY
+from solar_env.array.parameters.parameters import MAIN_BODY
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL

@@ -9,8 +9,8 @@ import numpy as np
 from rich.console import Console
 
 from solar_env.array import ArrayParameters
-from solar_env.array.compilation import compilation_note
 from solar_env.array.ladder import QUESTIONS, Answer
+from solar_env.array.methods import compilation_note
 from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.motion import SETTING_SHARE

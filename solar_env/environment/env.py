@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.environment.calls import Exclusive, checked_actions, checked_options
-from solar_env.environment.episodes import Episodes
+from solar_env.environment.episodes import Episodes, checked_actions
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
 from solar_env.environment.showing.window import Window
 from solar_env.environment.task.observations import observation_table
@@ -131,7 +130,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
         self._episodes = Episodes(settings, [self.parameters])
         self._lane = np.zeros(1, dtype=np.int64)
-        self._exclusive = Exclusive()
         self._window = Window(1.0 / self.task.control_period) if self.render_mode == "human" else None
 
     @property
@@ -165,9 +163,10 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             ValueError: for unknown options, parameters or refused values; the present episode goes on then.
             RuntimeError: if another thread is in a call of this environment.
         """
-        changes = [checked_options(options, "parameters").get("parameters") or {}]
-        with self._exclusive:
-            self._episodes.check_changes(self._lane, changes)
+        settings = self._episodes.settings
+        changes = [settings.check_options(options, "parameters").get("parameters") or {}]
+        with self._episodes.alone():
+            settings.check_changes(self.parameters, changes[0])
             super().reset(seed=seed)
             self._episodes.reset(self._lane, [self.np_random], changes)
             if self._window:
@@ -191,7 +190,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             SimulationWarning: if the episode was less accurate than it looks, see `Simulation.check`.
         """
         episodes, actions = self._episodes, checked_actions(action, (len(self.task.driven_joints),))
-        with self._exclusive:
+        with episodes.alone():
             if episodes.terminated[0]:
                 raise gymnasium.error.ResetNeeded(f"the episode ended at {self.simulation.time:g} s: call reset()")
             episodes.step(self._lane, actions[np.newaxis])

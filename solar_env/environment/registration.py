@@ -5,7 +5,7 @@ import itertools
 import gymnasium
 
 from solar_env.environment.scenarios import SCENARIOS
-from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS
+from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS
 
 
 def environment_id(scenario: str, version: str = CURRENT_VERSION) -> str:

@@ -10,17 +10,15 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.methods import landing_integrator
-from solar_env.array.names import unknown_name
+from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
-from solar_env.environment.task.task import Task
-from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS
+from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS, Task
 from solar_env.mechanics.integrators.settings import Integrator
-from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
 
 RENDER_MODES = ("human", "rgb_array")
@@ -83,7 +81,7 @@ class EnvironmentSettings:
                 raise ValueError(unknown_name(f"the {name}", getattr(self, name), table))
         for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms"):
             getattr(self, name)
-        self._mechanism(self.array)  # refuses parameters that do not go with the panels
+        build(self.array, self.level)  # refuses parameters that do not go with the panels
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
@@ -132,7 +130,7 @@ class EnvironmentSettings:
         """Sensors and motor."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
-        return SCENARIOS[self.scenario].hardware.with_changes(self.hardware or {})
+        return changed("hardware", SCENARIOS[self.scenario].hardware, self.hardware or {})
 
     @cached_property
     def task(self) -> Task:
@@ -177,8 +175,19 @@ class EnvironmentSettings:
         """Space of one action."""
         return gymnasium.spaces.Box(-1.0, 1.0, (len(self.task.driven_joints),), dtype=np.float32)
 
+    def check_options(self, options: Changes | None, *known: str) -> Changes:
+        """The options of a reset.
+
+        Raises:
+            ValueError: for an unknown one.
+        """
+        for name in options or {}:
+            if name not in known:
+                raise ValueError(unknown_name("the reset option", name, known))
+        return options or {}
+
     def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
-        """Check changes of the parameters of one episode, before anything is drawn.
+        """Check changes of the parameters of one episode, before anything is seeded or drawn.
 
         Raises:
             ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
@@ -195,16 +204,9 @@ class EnvironmentSettings:
                 )
 
     def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
-        """Parameters of one episode: those of a design, with some drawn from the ranges, then some changed.
-
-        Raises:
-            ValueError: for unknown parameters or refused values.
-        """
+        """Parameters of one episode: those of a design, with some drawn from the ranges, then some changed."""
         return design.with_changes({**drawn(self.ranges, generator), **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""
-        return Simulation(self._mechanism(parameters), self.integrator)
-
-    def _mechanism(self, parameters: ArrayParameters) -> Mechanism:
-        return build(parameters, self.level)
+        return Simulation(build(parameters, self.level), self.integrator)

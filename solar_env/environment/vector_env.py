@@ -11,12 +11,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from solar_env.environment.calls import Exclusive, checked_actions, checked_options
+from solar_env.array import ArrayParameters
 from solar_env.environment.env import Observation
-from solar_env.environment.episodes import Episodes, SavedEpisode, raise_first
-from solar_env.environment.lane import Lane
+from solar_env.environment.episodes import Episodes, SavedEpisode, checked_actions, raise_first
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.settings import EnvironmentSettings
+from solar_env.mechanics.running.simulation import Simulation
 from solar_env.support.numbers import is_whole_number, plain
 
 ON_FAILURE = ("truncate", "raise")
@@ -90,31 +90,23 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.episodes = Episodes(settings, self.parameters, num_threads)
-        self._generators: list[np.random.Generator | None] = [None] * num_envs
-        self._seeds, self._longest = [-1] * num_envs, max_episode_steps
+        seeded = [seeding.np_random() for _ in range(num_envs)]
+        self._generators, self._seeds = [generator for generator, _ in seeded], [seed for _, seed in seeded]
+        self._longest = max_episode_steps
         self._all_lanes = np.arange(num_envs)
         self._elapsed = np.zeros(num_envs, dtype=np.int64)
         self._ended = np.zeros(num_envs, dtype=np.bool_)
-        self._exclusive = Exclusive()
         self.closed = False
 
     @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
         """The lanes' generators of random numbers."""
-        return tuple(self._generator(lane) for lane in range(self.num_envs))
+        return tuple(self._generators)
 
     @property
     def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
         """The lanes' seeds."""
-        self.np_random  # noqa: B018 - seeds those that have none yet
         return tuple(self._seeds)
-
-    def _generator(self, lane: int) -> np.random.Generator:
-        generator = self._generators[lane]
-        if generator is None:
-            generator, self._seeds[lane] = seeding.np_random()
-            self._generators[lane] = generator
-        return generator
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -130,7 +122,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             ValueError, TypeError: as `SolarArrayEnv.reset`, or for a wrong mask or number of seeds.
             gymnasium.error.ResetNeeded: if a mask leaves out lanes that have never been reset.
         """
-        given = checked_options(options, "parameters", "reset_mask")
+        given = self.episodes.settings.check_options(options, "parameters", "reset_mask")
         mask = given.get("reset_mask")
         if mask is not None and (not isinstance(mask, np.ndarray) or mask.dtype != np.bool_):
             raise TypeError(f"reset_mask = {mask!r} must be an array of bool")
@@ -143,8 +135,9 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         by_lane = _by_lane("options['parameters']", given.get("parameters") or {}, self.num_envs)
         begun = lanes.tolist()
         chosen = [by_lane[lane] for lane in begun]
-        with self._exclusive:
-            self.episodes.check_changes(lanes, chosen)
+        with self.episodes.alone():
+            for lane, change in zip(begun, chosen, strict=True):
+                self.episodes.settings.check_changes(self.parameters[lane], change)
             seeded = {lane: seeding.np_random(index(seeds[lane])) for lane in begun if seeds[lane] is not None}
             for lane, (generator, used) in seeded.items():
                 self._generators[lane], self._seeds[lane] = generator, used
@@ -155,7 +148,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             return self.episodes.observations.copy(), infos
 
     def _fold(self, lanes: NDArray[np.int64], changes: Sequence[Mapping[str, Any]]) -> None:
-        self.episodes.reset(lanes, [self._generator(int(lane)) for lane in lanes], changes)
+        self.episodes.reset(lanes, [self._generators[lane] for lane in lanes], changes)
         self._ended[lanes] = False
         self._elapsed[lanes] = 0
 
@@ -169,8 +162,8 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             SimulationError with `on_failure="raise"` alone, when the other lanes have advanced.
         """
         given = checked_actions(actions, (self.num_envs, len(self.task.driven_joints)))
-        with self._exclusive:
-            episodes, lanes = self.episodes, self._all_lanes
+        episodes, lanes = self.episodes, self._all_lanes
+        with episodes.alone():
             if self._ended.any():
                 folded = np.flatnonzero(self._ended)
                 if self.autoreset_mode is AutoresetMode.DISABLED:
@@ -222,13 +215,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         for lane in lanes.tolist():
             self._add_info(infos, episodes.info(lane), lane)
 
-    def restore(self, lane: int, saved: SavedEpisode) -> None:
-        """Go on with a saved episode in one lane; see `Lane.restore_episode`."""
-        self.episodes.restore(lane, saved)
-        self._ended[lane] = False
-        self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)
-
-    def lane(self, lane: int) -> Lane:
+    def lane(self, lane: int) -> "Lane":
         """One lane as a single environment."""
         return Lane(self, range(self.num_envs)[lane])
 
@@ -252,3 +239,56 @@ def _by_lane(name: str, given: Any, lanes: int) -> list[Any]:
     if len(entries) != lanes:
         raise ValueError(f"{name} has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
     return entries
+
+
+class Lane:
+    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector.
+
+    Args:
+        env: the vector.
+        index: of the lane.
+    """
+
+    def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
+        self._env, self._index = env, index
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            # Copies ask for such names before there is a vector.
+            raise AttributeError(f"a lane has no {name!r}")
+        if name in ("observation_space", "action_space"):
+            return getattr(self._env, f"single_{name}")
+        value = getattr(self._env, name)
+        return value[self._index] if name in ("parameters", "np_random", "np_random_seed") else value
+
+    @property
+    def simulation(self) -> Simulation:
+        """As that of a single environment."""
+        return self._env.episodes.batch.simulations[self._index]
+
+    @property
+    def episode_parameters(self) -> ArrayParameters:
+        """Parameters of the present episode."""
+        return self._env.episodes.parameters[self._index]
+
+    def save_episode(self) -> SavedEpisode:
+        """The present episode, to be gone on with by `restore_episode`, here or in a lane of an equal vector.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset, and where the episode has ended.
+        """
+        if self._env.episodes.terminated[self._index]:
+            raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
+        return self._env.episodes.save(self._index)
+
+    def restore_episode(self, saved: SavedEpisode) -> NDArray[np.float32]:
+        """Go on with a saved episode, see `Episodes.restore`; returns what was observed last (entries,)."""
+        env, lane = self._env, self._index
+        env.episodes.restore(lane, saved)
+        env._ended[lane] = False
+        env._elapsed[lane] = round(env.episodes.times[lane] / env.task.control_period)
+        return env.episodes.observations[lane].copy()
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Draw the present state; (540, 960, 3) uint8."""
+        return self._env.episodes.render(self._index)

@@ -12,7 +12,7 @@ from episodes import STRONG, watch
 from solar_env import ArrayParameters, Hardware
 from solar_env.environment.registration import CURRENT, DEPLOY, DEPLOY_RANDOMISED, ENVIRONMENTS
 from solar_env.environment.scenarios import SCENARIOS
-from solar_env.environment.task.versions import VERSIONS
+from solar_env.environment.task.task import VERSIONS
 
 JOINTS = 2
 RATES, SINCE_LATCH = range(JOINTS, 2 * JOINTS), 3 * JOINTS + 2

@@ -89,6 +89,18 @@ def row_of(item: Field[Any]) -> Row:
     return item.metadata.get("row", Row(ANY))
 
 
+def check_rows(values: Any) -> None:
+    """Refuse a number of a dataclass that does not keep to the rule of its row.
+
+    Raises:
+        ValueError: naming the first of them.
+    """
+    for item in fields(values):
+        value, rule = getattr(values, item.name), row_of(item).rule
+        if "row" in item.metadata and not (is_number(value) and rule.least <= value <= rule.greatest):
+            raise ValueError(f"{item.name} = {value!r} {rule.text}")
+
+
 def check_parameters(p: ArrayParameters) -> None:
     """Refuse parameters without sense.
 

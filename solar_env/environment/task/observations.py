@@ -113,13 +113,10 @@ class Entry(NamedTuple):
 
 
 def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, ...]:
-    """Entries of an observation, in order.
+    """Entries of an observation, in order: of one of `OBSERVATIONS`, or of a list of names.
 
-    Args:
-        joints: number of joints.
-        observation: one of `OBSERVATIONS`, or a list of names: of `OBSERVABLES`, of `FEATURES`, and of `OBSERVATIONS`
-            for all that these list; "theta_2_ago" is the theta of two control periods ago, and the names in a tuple
-            take turns joint by joint.
+    A list has names of `OBSERVABLES`, of `FEATURES`, and of `OBSERVATIONS` for all that these list; "theta_2_ago" is
+    the theta of two control periods ago, and the names in a tuple take turns joint by joint.
 
     Raises:
         ValueError: for an unknown name, one that is listed twice, or none at all.

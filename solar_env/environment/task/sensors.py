@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.task.features import MEASURED, Feature, Shown, shown
+from solar_env.environment.task.features import MEASURED, Feature, words
 from solar_env.environment.task.observations import LOCK_ANGLE, Entry, channels, measured_for
 
 
@@ -107,17 +107,15 @@ class Sensors:
         """Let the controller see what was measured, now and before."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
-        readings = {age: self._readings(past[:, age]) for age in {entry.age for _, entry, _ in self._features}}
+        readings = {}
+        for age in {entry.age for _, entry, _ in self._features}:
+            moment = past[:, age].astype(np.float64)
+            named = {name: moment[:, columns] for name, columns in self._sources.items()}
+            readings[age] = words(named, self._lock_angles, self._deadline)
         for k, entry, feature in self._features:
             values = feature.of(readings[entry.age])[:, entry.joint]
             observed[:, k] = np.clip(values, feature.low, feature.high)
         self.observed[lanes] = observed
-
-    def _readings(self, measured: NDArray[np.float32]) -> Shown:
-        """What features are made of, of what was measured (k, measured) at one moment."""
-        moment = measured.astype(np.float64)
-        named = {name: moment[:, columns] for name, columns in self._sources.items()}
-        return shown(named, self._lock_angles, self._deadline)
 
     def memory(self, lane: int) -> Memory:
         """A copy of the memory of a lane, with the values that it shows now."""
@@ -125,11 +123,7 @@ class Sensors:
         return Memory(exact, observed, pipeline, past, deepcopy(self._generators[lane]))
 
     def check(self, memory: Memory) -> None:
-        """Check that a memory is one of sensors like these.
-
-        Raises:
-            ValueError: otherwise.
-        """
+        """Refuse a memory that is not one of sensors like these, by a ValueError."""
         names = ("exact entries", "observed entries", "delayed measurements", "past measurements")
         for name, mine, theirs in zip(names, self._arrays, memory[:4], strict=True):
             if mine.shape[1:] != theirs.shape:

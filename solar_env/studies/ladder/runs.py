@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
-from solar_env.environment.task.versions import PRESENT
+from solar_env.environment.task.task import PRESENT
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.methods.table import METHODS

@@ -38,8 +38,7 @@ from agents.laws.table import TUNABLE
 from agents.torque_laws import Signals
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.reward import Price
-from solar_env.environment.task.task import Task
-from solar_env.environment.task.versions import VERSIONS
+from solar_env.environment.task.task import VERSIONS, Task
 
 
 @pytest.fixture(scope="module")

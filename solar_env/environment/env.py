@@ -77,13 +77,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     every reset: springs, clearances and initial rates of every joint by themselves, other quantities by joint where
     their bounds are given by joint.
 
-    ## Scenarios
-
-    * "nominal" (`solar_env/Deploy-v1`): nothing is drawn, sensors and motor are perfect.
-    * "randomised" (`solar_env/DeployRandomised-v1`): clearances, friction, restitution, stiffnesses, initial rates and
-      spin are drawn; sensors are noisy, coarse and late, the motor lags. `solar_env.environment.scenarios` has the
-      numbers.
-
     ## Episode End
 
     * Termination: `postlock_window` after the last latching (the last step is cut to end there), or at the deadline if
@@ -92,7 +85,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Information
 
-    Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the physical figures of the episode
+    Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the figures of the episode
     (`latched`, `latch_times_s`, `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`,
     `postlock_impulse_Ns`, `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint but the
     first, `motor_work_J`, `energy_residual_J`, `duration_s`).
@@ -119,7 +112,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             TypeError: for an unknown keyword.
             ValueError: for an unknown name or a refused value; the message says which.
-            gymnasium.error.DependencyNotInstalled: for the render mode "human" without pygame.
         """
         settings = EnvironmentSettings.of(keywords)
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
@@ -134,11 +126,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     @property
     def simulation(self) -> Simulation:
-        """The running simulation; its state can be saved and restored between steps.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-        """
+        """The running simulation; its state can be saved and restored between steps."""
         return self._episodes.batch.simulations[0]
 
     @property
@@ -161,7 +149,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         Raises:
             ValueError: for unknown options, parameters or refused values; the present episode goes on then.
-            RuntimeError: if another thread is in a call of this environment.
         """
         settings = self._episodes.settings
         changes = [settings.check_options(options, "parameters").get("parameters") or {}]
@@ -184,7 +171,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             ValueError, TypeError: if the action has the wrong shape, is not finite, or is no number.
             SimulationError: if the simulation cannot go on, or takes more than `max_steps` steps.
             RuntimeError: if another thread is in a call of this environment.
-            KeyboardInterrupt: within a second of Ctrl-C; the simulation stays at an accepted step.
 
         Warns:
             SimulationWarning: if the episode was less accurate than it looks, see `Simulation.check`.

@@ -22,16 +22,8 @@ from solar_env.mechanics.running.simulation import Simulation
 
 
 class SavedEpisode(NamedTuple):
-    """An episode between two of its steps: see `Episodes.save`.
-
-    Attributes:
-        parameters: of the episode.
-        state: of the simulation, mid-contact included.
-        names: of the terms of the reward.
-        terms: (terms,) of the latest reward.
-        account: (terms, 2) figures charged so far, and their latest readings.
-        loop_torques: (motors,) that the drives' rate loops ask of the motors [N m].
-        sensors: their memory, the state of their noise included.
+    """An episode between two of its steps, see `Episodes.save`: the simulation's state, mid-contact included, the terms
+    of the reward with their accounts, the torques of the rate loops [N m] and the memory of the sensors.
     """
 
     parameters: ArrayParameters
@@ -70,7 +62,7 @@ class Episodes:
         self.terminated = np.zeros(lanes, dtype=np.bool_)
         self._numbers, self._samples = settings.task.numbers(settings.drive), settings.task.samples(settings.drive)
         self._batch: Batch | None = None
-        self._films: list[Film] | None = [Film(settings) for _ in range(lanes)] if settings.render_mode else None
+        self._films = [Film(settings) for _ in range(lanes)]
         self._threads, self._busy = threads, False
 
     @contextmanager
@@ -89,11 +81,7 @@ class Episodes:
 
     @property
     def batch(self) -> Batch:
-        """The simulations.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-        """
+        """The simulations; there are none before the first reset."""
         if self._batch is None:
             raise gymnasium.error.ResetNeeded("call reset() before using the simulation")
         return self._batch
@@ -111,7 +99,6 @@ class Episodes:
         Changes of parameters, after the draw, are checked by `EnvironmentSettings.check_changes` before.
 
         Raises:
-            gymnasium.error.ResetNeeded: if not all lanes have begun an episode yet.
             ValueError: if the lanes' designs differ in structure.
         """
         if self._batch is None and lanes.size < len(self.parameters):
@@ -128,7 +115,7 @@ class Episodes:
             if self._batch.simulations[lane] is not simulation:
                 self._batch.replace(lane, simulation)
             self.parameters[lane] = parameters
-            self._begin_film(lane)
+            self._films[lane] = Film(self.settings)
         self.terminated[lanes] = False
         for values in (self.terms, self.rewards, self._accounts, self._loop_torques):
             values[lanes] = 0.0
@@ -182,7 +169,7 @@ class Episodes:
             self._accounts, self.terms, self.rewards, sensors.exact, self.terminated,
         )  # fmt: skip
         sensors.measure(lanes)
-        if self._films is not None:
+        if self.settings.render_mode:
             for lane in lanes:
                 self._films[lane].add(batch.simulations[lane].state)
 
@@ -206,7 +193,7 @@ class Episodes:
         self._sensors.check(saved.sensors)
         self.batch.replace(lane, self._simulation(saved))
         self._recall(lane, saved)
-        self._begin_film(lane)
+        self._films[lane] = Film(self.settings)
 
     def _simulation(self, saved: SavedEpisode) -> Simulation:
         simulation = self.settings.simulation(saved.parameters)
@@ -220,20 +207,11 @@ class Episodes:
         self.terms[lane], self.rewards[lane] = saved.terms, saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
 
-    def _begin_film(self, lane: int) -> None:
-        if self._films is not None:
-            self._films[lane] = Film(self.settings)
-
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
-        """Copies of the present episode of a lane, which go on without touching it.
+        """Copies of the present episode of a lane, as lanes of what is returned, which go on without touching it.
 
-        Each has the original's whole state, mid-contact included, its parameters, its account, its motors and its
-        sensors with the noise that is to come, and goes on to the same bits under the same actions.
-
-        Args:
-            lane: of the original.
-            count: number of copies, the lanes of what is returned.
-            threads: most threads that advance them; by default as many as there are processors for this process.
+        Each has all that is saved of the original, with the noise that is to come, and goes on to the same bits under
+        the same actions; on `threads` threads at most.
         """
         saved = self.save(lane)
         copies = type(self)(replace(self.settings, render_mode=None), [saved.parameters] * count, threads)
@@ -286,7 +264,7 @@ class Episodes:
 
     def render(self, lane: int) -> NDArray[np.uint8] | None:
         """Draw the present state; (540, 960, 3) uint8, or None with a warning if the settings have no render mode."""
-        if self._films is None:
+        if not self.settings.render_mode:
             gymnasium.logger.warn(
                 'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
             )

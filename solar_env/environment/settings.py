@@ -89,7 +89,6 @@ class EnvironmentSettings:
 
         Raises:
             TypeError: for an unknown keyword; the message names the closest ones.
-            ValueError: for an unknown name or a refused value; the message says which.
         """
         known = [item.name for item in fields(cls)]
         for name in keywords:
@@ -117,13 +116,21 @@ class EnvironmentSettings:
     @cached_property
     def array(self) -> ArrayParameters:
         """Parameters of the array, before anything is drawn."""
-        return SCENARIOS[self.scenario].design(self.parameters)
+        return self.design(self.parameters)
+
+    def design(self, parameters: ArrayParameters | Changes | None) -> ArrayParameters:
+        """The scenario's parameters with changes, or others in their place."""
+        usual = SCENARIOS[self.scenario].parameters
+        return parameters if isinstance(parameters, ArrayParameters) else usual.with_changes(parameters or {})
 
     @cached_property
     def ranges(self) -> Ranges:
         """Parameter -> (low, high), by joint where the parameter is."""
-        usual = SCENARIOS[self.scenario].ranges(len(self.array.joints))
-        return checked_ranges(self.array, usual if self.randomize is None else self.randomize)
+        if self.randomize is not None:
+            return checked_ranges(self.array, self.randomize)
+        joints, usual = len(self.array.joints), SCENARIOS[self.scenario].randomize
+        pairs = {name: [b[:joints] if isinstance(b, tuple) else b for b in pair] for name, pair in usual.items()}
+        return checked_ranges(self.array, {name: (low, high) for name, (low, high) in pairs.items()})
 
     @cached_property
     def drive(self) -> Hardware:
@@ -176,11 +183,7 @@ class EnvironmentSettings:
         return gymnasium.spaces.Box(-1.0, 1.0, (len(self.task.driven_joints),), dtype=np.float32)
 
     def check_options(self, options: Changes | None, *known: str) -> Changes:
-        """The options of a reset.
-
-        Raises:
-            ValueError: for an unknown one.
-        """
+        """The options of a reset; an unknown one is refused by a ValueError."""
         for name in options or {}:
             if name not in known:
                 raise ValueError(unknown_name("the reset option", name, known))
@@ -204,7 +207,7 @@ class EnvironmentSettings:
                 )
 
     def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
-        """Parameters of one episode: those of a design, with some drawn from the ranges, then some changed."""
+        """Parameters of one episode: those of a design, some drawn, then some changed."""
         return design.with_changes({**drawn(self.ranges, generator), **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
-from agents.laws.brake import BrakeParameters, ConstantBrake
 from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.servo import ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
@@ -39,28 +38,6 @@ def test_torque_and_work_are_those_of_the_driven_joint_alone(joint):
     work = env._episodes.figures(0)["motor_work_J"]
     assert work == pytest.approx(0.4 * turned, rel=1e-3)
     assert work > 1e-4
-
-
-@joints
-def test_a_positive_torque_opens_the_driven_joint_faster_than_a_negative_one(joint):
-    rates = []
-    for action in (1.0, -1.0):
-        env = make(joint, observation=["rate"])
-        env.reset(seed=0)
-        for _ in range(5):
-            observation, *_ = env.step([action])
-        rates.append(observation)
-    assert (rates[0] - rates[1])[joint] > 1e-4
-
-
-@joints
-def test_a_lane_of_a_vector_equals_the_single_environment_bit_for_bit(joint):
-    single, vector = make(joint), gymnasium.make_vec(DEPLOY, 2, driven_joint=joint, **SHORT)
-    single.reset(seed=4)
-    vector.reset(seed=4)
-    for action in np.float32([0.6, -0.2]):
-        one, together = single.step([action])[0], vector.step(np.full((2, 1), action))[0]
-    assert one.tobytes() == together[0].tobytes()
 
 
 def test_the_frame_names_the_torque_of_the_driven_joint(monkeypatch):
@@ -110,16 +87,6 @@ def test_a_law_damps_the_joint_that_it_drives_once_the_array_has_latched(law, pa
         actions.append(float(controller.predict(latched)[0][0]))
     assert actions[0] < 0.0
     assert actions[1] == 0.0
-
-
-@joints
-def test_a_brake_sets_in_where_the_joint_that_it_drives_is_open_far_enough(joint):
-    names = [entry.name for entry in observation_entries(2, "drive")]
-    brake = ConstantBrake(Signals(tuple(names), driven_joint=joint), BrakeParameters(0.1, onset=0.5))
-    for opening, expected in ((0.4, 0.0), (0.6, -0.2)):
-        observation = np.zeros(len(names), dtype=np.float32)
-        observation[names.index(f"theta_{joint + 1}")] = opening
-        assert brake.predict(observation)[0] == pytest.approx(expected)
 
 
 def test_a_policy_trained_with_the_motor_on_one_joint_is_refused_on_another():

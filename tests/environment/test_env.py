@@ -94,9 +94,8 @@ def test_no_observation_of_an_episode_leaves_the_space(keywords):
     assert np.any(np.abs(np.array(seen)[:, rates]) == 5.0) == ("hardware" in keywords)
 
 
-@pytest.mark.parametrize("model", LEVELS)
-def test_returned_arrays_and_dictionaries_belong_to_the_caller(model):
-    env = make(model)
+def test_returned_arrays_and_dictionaries_belong_to_the_caller():
+    env = make()
     first, info = env.reset(seed=0)
     kept, terms = first.copy(), dict(info["reward_terms"])
     second, _, _, _, other = env.step([1.0])
@@ -106,9 +105,8 @@ def test_returned_arrays_and_dictionaries_belong_to_the_caller(model):
     assert info["reward_terms"] is not other["reward_terms"]
 
 
-@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance:4 modes"])
-def test_the_same_seed_gives_the_same_bits_in_two_processes(model):
-    keywords = {"model": model, "parameters": STRONG, "randomize": RANGES}
+def test_the_same_seed_gives_the_same_bits_in_two_processes():
+    keywords = {"parameters": STRONG, "randomize": RANGES}
     program = (
         "import gymnasium, solar_env, hashlib\n"
         f"env = gymnasium.make({DEPLOY!r}, **{keywords!r}).unwrapped\n"

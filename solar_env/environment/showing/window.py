@@ -31,10 +31,7 @@ def open_display() -> Any:
 
 
 class Window:
-    """A window that shows frames at their pace. It opens with the first one; a copy of it begins closed.
-
-    Args:
-        rate: frames in a second [Hz].
+    """A window that shows frames at their rate [Hz]. It opens with the first one; a copy of it begins closed.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: on construction, without pygame.

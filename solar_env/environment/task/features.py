@@ -29,11 +29,8 @@ FORMULA_WORDS = {
 def words(measured: Mapping[str, Values], lock_angles: Values, deadline: float) -> dict[str, Any]:
     """What the words of the formulas stand for in several arrays, (lanes, joints) or (lanes, 1), at one moment.
 
-    Args:
-        measured: by the names in `MEASURED`: (lanes, joints) angles in units of the lock angles, rates [rad/s] and
-            latch switches, (lanes, 1) time left in units of the deadline.
-        lock_angles: (joints,) [rad].
-        deadline: [s].
+    Measured, by the names in `MEASURED`, are (lanes, joints) angles in units of the lock angles [rad], rates [rad/s]
+    and latch switches, and the time left (lanes, 1) in units of the deadline [s].
     """
     d_j, r_j, left = 1.0 - measured["theta"], measured["rate"] / lock_angles, measured["time_to_deadline"]
     d, r = (values.mean(axis=1, keepdims=True) for values in (d_j, r_j))
@@ -68,13 +65,10 @@ def _signed_logarithm(values: Values, unit: float) -> Values:
 
 
 class Feature(NamedTuple):
-    """A function of what the sensors show.
+    """A function of what the sensors show, by the name that an observation lists.
 
     Attributes:
-        name: that an observation lists.
-        meaning: for the documentation.
-        unit: as observed.
-        low, high: bounds to which it is clipped.
+        low, high: bounds in the unit, to which it is clipped.
         formula: what it is, in Python and in the words of `FORMULA_WORDS`.
         by_joint: whether there is one entry a joint.
     """

@@ -26,13 +26,10 @@ GREATEST_AGE = 100
 
 
 class Observable(NamedTuple):
-    """A quantity that can be observed.
+    """A quantity that can be observed, by the name that an observation lists, with its meaning for the documentation.
 
     Attributes:
-        name: that an observation lists.
-        meaning: for the documentation.
-        unit: as observed.
-        low, high: bounds in that unit, to which it is clipped.
+        low, high: bounds in the unit, to which it is clipped.
         code: of `reading`.
         by_joint: whether there is one entry a joint.
         noise: name of the standard deviation in `Hardware`; None where the reading is exact.
@@ -93,13 +90,7 @@ OBSERVATIONS: dict[str, Names] = {
 
 
 class Entry(NamedTuple):
-    """One entry of an observation.
-
-    Attributes:
-        observable: what is observed, or the feature of it.
-        joint: index of the joint; 0 where there is one entry for the array.
-        age: control periods since it was first shown.
-    """
+    """One entry of an observation: its joint, 0 where there is one entry for the array, and its age [periods]."""
 
     observable: Observable | Feature
     joint: int

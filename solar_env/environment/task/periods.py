@@ -34,12 +34,7 @@ def begin_periods(states, task, lanes, end_times):
 def loop_torque(model, state, motor, action, rate_error, before):
     """Torque that the drive's rate loop asks of the motor [N m]: within the limit, and filtered.
 
-    Args:
-        model, state: of the array.
-        motor: row of `motor_type`.
-        action: the rate's setpoint, in [-1, 1].
-        rate_error: of the rate that the loop measures [rad/s].
-        before: what the loop asked at its last sample [N m].
+    The action is the rate's setpoint, in [-1, 1]; `before` is what the loop asked at its last sample [N m].
     """
     rate = view_joint_of(model)(model, state, motor.joint).rate + rate_error
     torque = motor.rate_gain * (SLOWEST * math.sinh(STEEPNESS * action) - rate)

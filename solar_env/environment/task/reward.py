@@ -53,13 +53,9 @@ class Price:
 
 
 class RewardTerm(NamedTuple):
-    """A term of the reward: minus the growth, in each step, of what a figure costs.
+    """A term of the reward: minus the growth, in each step, of what a figure costs in a phase of the episode.
 
     Attributes:
-        name: of the term.
-        figure: that it charges, for the documentation.
-        phase: in which it is charged.
-        unit: of the figure.
         code: of `reading`.
         growth: LATEST, GREATEST or CHANGES.
         scale: see `Price`; the weight is 0 where neither the version nor the keyword `reward` has one.

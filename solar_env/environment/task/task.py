@@ -112,12 +112,8 @@ BOUNDED = 0
 
 
 class Version(NamedTuple):
-    """A version of the task: what the number of an environment's id stands for, where keywords say nothing else.
-
-    Attributes:
-        task: limits and times.
-        form: of the prices, a code of `reward.cost`.
-        prices: of the terms that are charged, in the words of the keyword `reward`.
+    """What the number of an environment's id stands for: limits and times, the form of the prices, a code of
+    `reward.cost`, and the prices of the terms that are charged, in the words of the keyword `reward`.
     """
 
     task: Task

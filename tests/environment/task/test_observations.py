@@ -108,11 +108,7 @@ def test_a_measurement_is_shown_late_where_the_row_says_so(row):
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("name", CURRENT)
-def test_both_checkers_accept_every_observable_alone_and_all_together(name):
-    for observation in ([row] for row in EVERYTHING):
-        env = gymnasium.make(name, model="rigid-ideal", control_period=1e-3, observation=observation).unwrapped
-        check_by_gymnasium(env, skip_render_check=True)
-        check_by_stable_baselines3(env)
+def test_both_checkers_accept_all_observables_together(name):
     env = gymnasium.make(name, model="rigid-ideal", control_period=1e-3, observation=EVERYTHING).unwrapped
     check_by_gymnasium(env, skip_render_check=True)
     check_by_stable_baselines3(env)
@@ -127,25 +123,6 @@ def test_the_observations_list_what_is_documented_in_that_order():
     assert names(3, "drive") == drive
     assert names(3, "history") == drive + [f"{name}_{back}_ago" for back in (1, 2, 3) for name in remembered]
     assert names(3, "privileged") == [*drive, *journals, "main_body_spin"]
-
-
-def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_asked_for():
-    keywords = {**WILD, "scenario": "randomised", "hardware": {"sensor_delay": 1}}
-    observation = ["time_to_deadline", "motor_torque_2_ago", "theta"]
-    listed = gymnasium.make(DEPLOY, observation=observation, **keywords).unwrapped
-    drive = gymnasium.make(DEPLOY, **keywords).unwrapped
-    assert listed.observation_names == ("time_to_deadline", "motor_torque_2_ago", "theta_1", "theta_2")
-    mine, theirs = [listed.reset(seed=3)[0]], [drive.reset(seed=3)[0]]
-    for action in (0.3, -0.7, 0.2, 0.9, -0.1):
-        mine.append(listed.step([action])[0])
-        theirs.append(drive.step([action])[0])
-    mine, theirs = np.array(mine), np.array(theirs)
-    torque, time = (drive.observation_names.index(name) for name in ("motor_torque", "time_to_deadline"))
-    assert np.array_equal(mine[:, 0], theirs[:, time])
-    assert np.array_equal(mine[2:, 1], theirs[:-2, torque])
-    assert np.ptp(mine[:, 1]) > 0.0
-    # Without a rate among what is measured, the noise of the angles is another part of the same sequence.
-    assert mine[0, 2:] == pytest.approx(theirs[0, :2], abs=5e-3)
 
 
 def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
@@ -179,19 +156,15 @@ def test_an_observation_in_a_list_stands_for_all_that_it_has():
         assert names == ("start", *env.observation_names, "main_body_spin")
 
 
-@pytest.mark.parametrize(
-    ("observation", "words"),
-    [
-        ("drives", ["drives", "drive"]),
-        (["landing", "far"], ["landing", "only once"]),
-        (["theta", "rates"], ["rates", "rate"]),
-        (["theta", "theta"], ["theta", "only once"]),
-        (["theta", "theta_0_ago"], ["theta_0_ago"]),
-        (["theta_101_ago"], ["theta_101_ago", "at most 100"]),
-        ([], ["at least one"]),
-        ([3], ["3", "theta"]),
-    ],
-)
-def test_an_observation_that_is_none_is_refused_by_name(observation, words):
-    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
-        solar_env.SolarArrayEnv(observation=observation)
+def test_an_observation_that_is_none_is_refused_by_name():
+    for observation, words in (
+        ("drives", "drives.*drive"),
+        (["landing", "far"], "landing.*only once"),
+        (["theta", "rates"], "rates.*rate"),
+        (["theta", "theta_0_ago"], "theta_0_ago"),
+        (["theta_101_ago"], "theta_101_ago.*at most 100"),
+        ([], "at least one"),
+        ([3], "3.*theta"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            solar_env.SolarArrayEnv(observation=observation)

@@ -119,16 +119,13 @@ def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_
     assert np.std(errors) == pytest.approx(1e-3, rel=0.3)
 
 
-@pytest.mark.parametrize(
-    ("keywords", "words"),
-    [
-        ({"action": "speed"}, ["speed", "torque"]),
-        ({"action": "rate", "hardware": {"rate_loop_frequency": 15.0}}, ["15.0 Hz", "1.5 samples", "whole number"]),
-        ({"action": "rate", "control_period": 0.001}, ["rate_loop_frequency", "0.1 samples"]),
-        ({"hardware": {"rate_loop_lag": -0.1}}, ["rate_loop_lag", "-0.1", "not negative"]),
-        ({"hardware": {"rate_loop_gain": 0.0}}, ["rate_loop_gain", "0.0", "positive"]),
-    ],
-)
-def test_a_loop_that_cannot_be_is_refused_by_name(keywords, words):
-    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
-        gymnasium.make(DEPLOY, **keywords)
+def test_a_loop_that_cannot_be_is_refused_by_name():
+    for keywords, words in (
+        ({"action": "speed"}, "speed.*torque"),
+        ({"action": "rate", "hardware": {"rate_loop_frequency": 15.0}}, "15.0 Hz.*1.5 samples.*whole number"),
+        ({"action": "rate", "control_period": 0.001}, "rate_loop_frequency.*0.1 samples"),
+        ({"hardware": {"rate_loop_lag": -0.1}}, "rate_loop_lag.*-0.1.*not negative"),
+        ({"hardware": {"rate_loop_gain": 0.0}}, "rate_loop_gain.*0.0.*positive"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            gymnasium.make(DEPLOY, **keywords)

@@ -28,9 +28,6 @@ def write_data(trajectory: Trajectory, path: Path) -> None:
     """Write a deployment, as its suffix says: ".npz" all of it, see `Trajectory.load`, ".csv" a row for each sample.
 
     Columns of the table name quantity, unit and joint, as in "angle_rad_1"; energies are "kinetic_J" and the like.
-
-    Raises:
-        ValueError, OSError: as `check_target`.
     """
     check_target(path, SUFFIXES)
     if path.suffix.lower() == ".npz":

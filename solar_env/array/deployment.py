@@ -72,9 +72,6 @@ def simulate(
 def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
     """Deflection of every panel's middle from the chord between its ends, over the samples of a deployment.
 
-    Args:
-        trajectory: as `simulate` returns it, or loaded from a file.
-
     Returns:
         (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip.
     """

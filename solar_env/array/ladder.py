@@ -27,17 +27,14 @@ _ROUNDING = 1.0 + 1e-9  # shares of pairs are compared with tolerances that are 
 
 @dataclass(frozen=True)
 class Answer:
-    """Error and cost of one level for one question.
+    """Error and cost of one level, a word as `ModelLevel.of` takes it, for one of the QUESTIONS.
 
     Attributes:
-        question: one of QUESTIONS.
-        level: of the model, a word as `ModelLevel.of` takes it.
         error: of the mean over an ensemble, relative, against a reference that is finer than all levels. Of the worst
             joint, where there are several.
         half_width: of the 95 % sampling band of that error.
         cost_ratio: wall time over that of the reference, measured side by side.
-        evaluations: of the right-hand side, mean of the runs.
-        members: runs in the ensemble.
+        evaluations: of the right-hand side, mean of the members of the ensemble.
     """
 
     question: str
@@ -73,10 +70,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """The levels that `cheapest` chooses for one tolerance or another, from the finest to the cheapest.
-
-    A level is chosen from its `bound` on, up to the bound of the next.
-    """
+    """The levels that `cheapest` chooses, from the finest to the cheapest, each up to the `bound` of the next."""
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
         if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
@@ -110,9 +104,5 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
 
 
 def cheapest_level(question: str, tolerance: float) -> str:
-    """The cheapest level of the model that answers a question to a relative tolerance, as `model=` takes it.
-
-    Raises:
-        ValueError: as `cheapest`.
-    """
+    """The cheapest level of the model that answers a question to a relative tolerance, as `model=` takes it."""
     return cheapest(read_answers(), question, tolerance).level

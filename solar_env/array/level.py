@@ -45,11 +45,7 @@ class ModelLevel:
 
     @classmethod
     def of(cls, word: str | Self) -> Self:
-        """The level of a word.
-
-        Raises:
-            ValueError: if it is none; the message names those that come close.
-        """
+        """The level of a word; what is none is refused by a ValueError that names those that come close."""
         if isinstance(word, cls):
             return word
         found = _WORD.fullmatch(word) if isinstance(word, str) else None

@@ -71,8 +71,7 @@ def make_integrator(
         rtol: local error tolerance.
 
     Raises:
-        ValueError: if the name is unknown, if it is no method or does not step the level's panels, or if an option does
-            not apply or is given twice.
+        ValueError: if it is no method, does not step the level's panels, or an option does not apply.
     """
     level = ModelLevel.of(model)
     default = default_integrator(level)
@@ -122,8 +121,8 @@ def compilation_note(integrators: Iterable[str]) -> str:
 def announce_compilation(integrator: str) -> None:
     """Say on standard error, once a process, that kernels are going to be compiled."""
     if not kernels_are_compiled(integrator):
-        note = f"solar_env compiles the kernels of {integrator}: minutes, this time alone; later runs load them"
-        print(note, file=sys.stderr, flush=True)
+        told = f"solar_env compiles the kernels of {integrator}: minutes, this time alone; later runs load them"
+        print(told, file=sys.stderr, flush=True)
 
 
 @cache

@@ -92,10 +92,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Arguments
 
-    ```python
-    gymnasium.make("solar_env/Deploy-v1", model="rigid-clearance", randomize={"clearance": (5e-5, 5e-4)})
-    ```
-
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `version`,
     `torque_limit`, `control_period`, `deadline`, `postlock_window`, `driven_joint`, `action`, `observation`, `reward`,
     `scenario`, `randomize`, `hardware`, `render_mode` and `max_steps`.
@@ -143,9 +139,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Fold the array and draw its parameters.
 
-        Args:
-            seed: of the draws and the noise; None continues the sequence.
-            options: {"parameters": {name: value}} changes parameters for this episode.
+        The option {"parameters": {name: value}} changes parameters for this episode.
 
         Raises:
             ValueError: for unknown options, parameters or refused values; the present episode goes on then.
@@ -161,10 +155,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             return self._episodes.observations[0].copy(), self._episodes.info(0)
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Hold a motor torque for one control period.
-
-        Args:
-            action: (1,) motor torque in units of the torque limit; clipped to [-1, 1].
+        """Hold an action (1,), clipped to [-1, 1], for one control period.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.

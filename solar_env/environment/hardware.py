@@ -31,9 +31,6 @@ class Hardware:
             delay, and holds its torque from one sample to the next.
         rate_loop_lag: time constant of the low-pass filter of that loop's torque [s]; 0 for none. Without it the loop
             answers the journals' rattle in their bearings, and shakes flexible panels.
-
-    Raises:
-        ValueError: on construction, for a value out of range.
     """
 
     angle_noise: float = number(0.0, _NOT_NEGATIVE)

@@ -18,7 +18,6 @@ ENVIRONMENTS = {environment_id(*pair): pair for pair in itertools.product(SCENAR
 
 # Ids of the present version; Gymnasium warns whoever makes one of the others.
 CURRENT = tuple(environment_id(scenario) for scenario in SCENARIOS)
-
 DEPLOY, DEPLOY_RANDOMISED = environment_id("nominal"), environment_id("randomised")
 
 

@@ -85,11 +85,7 @@ class EnvironmentSettings:
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
-        """Settings from keywords, with what the scenario stands for in its place.
-
-        Raises:
-            TypeError: for an unknown keyword; the message names the closest ones.
-        """
+        """Settings from keywords, with what the scenario stands for in its place; TypeError for an unknown one."""
         known = [item.name for item in fields(cls)]
         for name in keywords:
             if name not in known:
@@ -190,11 +186,7 @@ class EnvironmentSettings:
         return options or {}
 
     def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
-        """Check changes of the parameters of one episode, before anything is seeded or drawn.
-
-        Raises:
-            ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
-        """
+        """Refuse changes for one episode that no array can have or that change the structure, by a ValueError."""
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
         after = design.with_changes(changes)

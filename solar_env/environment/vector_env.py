@@ -56,11 +56,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         num_threads: int | None = None,
         **keywords: Any,
     ) -> None:
-        """See the class.
-
-        Raises:
-            TypeError, ValueError: as `SolarArrayEnv`.
-        """
+        """See the class, and `SolarArrayEnv` for what is refused."""
         counts = {"num_envs": num_envs, "max_episode_steps": max_episode_steps, "num_threads": num_threads}
         for name, number in counts.items():
             if number is not None and not is_whole_number(plain(number), 1):
@@ -147,10 +143,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self._elapsed[lanes] = 0
 
     def step(self, actions: Actions) -> Results:
-        """Hold a motor torque in every lane for one control period.
-
-        Args:
-            actions: (num_envs, 1) motor torques in units of the torque limit; clipped to [-1, 1].
+        """Hold the actions (num_envs, 1) for one control period.
 
         Raises, Warns: as `SolarArrayEnv.step`, but no SimulationError; ResetNeeded where an episode has ended with
             autoreset disabled alone.

@@ -38,14 +38,6 @@ def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
         make(version="v9")
 
 
-def test_the_nominal_scenario_is_perfect_and_always_the_same():
-    env = make()
-    assert env.hardware == Hardware()
-    assert env.randomize == {}
-    assert env.parameters == ArrayParameters()
-    assert np.array_equal(watch(env, [0.2] * 5, seed=1), watch(env, [0.2] * 5, seed=2))
-
-
 def test_the_randomised_scenario_draws_everything_within_its_ranges():
     env = make(DEPLOY_RANDOMISED)
     drawn = {name: [] for name in env.randomize}
@@ -103,9 +95,8 @@ def test_hinges_differ_where_their_range_does_and_else_in_what_varies_from_hinge
     assert isinstance(drawn.latch_damping, float)
 
 
-@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance:2 elements"])
-def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit(model):
-    keywords = {"model": model, "observation": "history", "parameters": STRONG, "postlock_window": 1.0}
+def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit():
+    keywords = {"observation": "history", "parameters": STRONG, "postlock_window": 1.0}
     vector = gymnasium.make_vec(DEPLOY_RANDOMISED, num_envs=3, autoreset_mode="NextStep", **keywords)
     actions = np.random.default_rng(0).uniform(-1, 1, (50, 3, 1)).astype(np.float32)
     seen = [vector.reset(seed=7)[0], *(vector.step(action)[0] for action in actions)]

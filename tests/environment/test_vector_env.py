@@ -47,17 +47,17 @@ def test_a_lane_equals_the_single_environment_with_its_seed(level):
     keywords = {"model": level, "randomize": ranges, "parameters": STRONG, "observation": "privileged"}
     native = make_vector(**keywords)
     first, _ = native.reset(seed=11)
-    steps = [native.step(actions) for actions in random_actions(12)]
+    steps = [native.step(actions) for actions in random_actions(6)]
     for lane in range(LANES):
         single = gymnasium.make(DEPLOY, **keywords)
         assert_same(single.reset(seed=11 + lane)[0], first[lane])
-        for actions, (observations, rewards, *_) in zip(random_actions(12), steps, strict=True):
+        for actions, (observations, rewards, *_) in zip(random_actions(6), steps, strict=True):
             observation, reward, *_ = single.step(actions[lane])
             assert_same(observation, observations[lane])
             assert reward == rewards[lane]
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 7])
+@pytest.mark.parametrize("lanes", [1, 7])
 def test_results_depend_neither_on_the_number_of_threads_nor_on_that_of_lanes(lanes):
     runs = []
     for threads in (1, 2, 5):
@@ -103,12 +103,6 @@ def test_a_reset_that_is_refused_begins_nothing_and_draws_nothing(parameters):
         env.reset(options={"parameters": parameters})
     assert_same(env.step(random_actions(1, 2)[0]), other.step(random_actions(1, 2)[0]))
     assert_same(env.reset(), other.reset())
-
-
-def test_lanes_of_different_structure_are_refused():
-    env = make_vector(2, parameters=[{}, {"wear_bins": 90}])
-    with pytest.raises(ValueError, match=r"wear_journal of shape \(2, 90\), the others of the batch \(2, 360\)"):
-        env.reset(seed=0)
 
 
 def test_parameters_by_lane_go_to_their_lanes_under_a_mask_too():

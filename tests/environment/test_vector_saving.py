@@ -65,17 +65,17 @@ def test_a_simulation_of_an_earlier_episode_stays_as_it_was():
 )
 def test_a_saved_episode_goes_on_to_the_same_bits_in_any_lane_as_often_as_one_likes(observation, model):
     """Mid-contact, with a noisy and late drive, after other episodes have come and gone in its lane."""
-    env = make_vector(scenario="randomised", observation=observation, max_episode_steps=35, model=model).unwrapped
+    env = make_vector(scenario="randomised", observation=observation, max_episode_steps=42, model=model).unwrapped
     env.reset(seed=4)
-    actions = random_actions(35)
-    for action in actions[:20]:
+    actions = random_actions(42)
+    for action in actions[:30]:
         observed = env.step(action)[0]
     saved, parameters = env.lane(1).save_episode(), env.lane(1).episode_parameters
     assert env.lane(1).simulation.state.joints["in_contact"].any()
 
     def goes_on(lane):
         return [
-            [np.array(part[lane]) for part in env.step(np.tile(action[1], (LANES, 1)))[:4]] for action in actions[20:]
+            [np.array(part[lane]) for part in env.step(np.tile(action[1], (LANES, 1)))[:4]] for action in actions[30:]
         ]
 
     expected = goes_on(1)
@@ -106,6 +106,10 @@ def test_what_cannot_be_saved_or_restored_is_refused():
     with pytest.raises(ValueError, match=r"observed entries of shape \(9,\), these sensors \(24,\)"):
         other.lane(0).restore_episode(saved)
     assert other.episodes.times.tolist() == pytest.approx([0.1, 0.1])
+    other = make_vector(reward={"wear": 2.0, "peak_impact": 0.0}).unwrapped
+    other.reset(seed=0)
+    with pytest.raises(ValueError, match=r"peak_impact, wear.*same terms are charged"):
+        other.lane(0).restore_episode(saved)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")

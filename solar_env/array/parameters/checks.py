@@ -38,15 +38,9 @@ class Usual(NamedTuple):
 
 
 class Row(NamedTuple):
-    """What is known of a parameter beside its default.
+    """What is known of a parameter beside its default; `among` are the texts that it may be.
 
-    Attributes:
-        rule: that every entry keeps to.
-        usual: its magnitudes on spacecraft.
-        by_joint: whether it may differ from joint to joint.
-        drawn_by_joint: whether it does where one range is drawn from.
-        optional: whether None is a value.
-        among: texts that are a value; empty where others check them.
+    A quantity by joint may differ from joint to joint; one drawn by joint does where one range is drawn from.
     """
 
     rule: Rule
@@ -90,11 +84,7 @@ def row_of(item: Field[Any]) -> Row:
 
 
 def check_rows(values: Any) -> None:
-    """Refuse a number of a dataclass that does not keep to the rule of its row.
-
-    Raises:
-        ValueError: naming the first of them.
-    """
+    """Refuse the first number of a dataclass that does not keep to the rule of its row, by a ValueError."""
     for item in fields(values):
         value, rule = getattr(values, item.name), row_of(item).rule
         if "row" in item.metadata and not (is_number(value) and rule.least <= value <= rule.greatest):

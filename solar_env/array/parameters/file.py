@@ -31,10 +31,6 @@ class ParameterFile(NamedTuple):
 
     `gymnasium.make("solar_env/Deploy-v1", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
     of it.
-
-    Attributes:
-        parameters: of the array.
-        randomize: parameter -> (low, high).
     """
 
     parameters: ArrayParameters
@@ -45,8 +41,7 @@ def read_parameters(path: str | Path) -> ParameterFile:
     """Read a file of parameters; what it does not name has its default.
 
     Raises:
-        ValueError: if the file is no TOML, or has an unknown name or a refused value; the message says which, and the
-            rule.
+        ValueError: if the file is no TOML, or has an unknown name or a refused value.
         OSError: if it cannot be read.
     """
     path = Path(path)

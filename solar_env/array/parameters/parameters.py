@@ -29,12 +29,10 @@ MAIN_BODY = 0  # index among the bodies of the mechanism
 
 @dataclass(frozen=True)
 class JointRow:
-    """A joint, and the panel that it carries.
+    """A joint, by its index from the root on, and the panel that it carries.
 
     Attributes:
-        index: among the joints, from the root on.
-        inboard: index of the body that bears it, among those of the mechanism.
-        panel: index of the panel that it carries, likewise.
+        inboard, panel: indices, among the bodies of the mechanism, of what bears it and of the panel.
         sign: 1 if the panel opens counter-clockwise, -1 if clockwise.
         lock_angle: at which it latches, from the folded position [rad].
     """

@@ -42,8 +42,7 @@ class Film:
 
     def _scene(self, simulation: Simulation, parameters: ArrayParameters) -> Scene:
         """The scene of a simulation, with the force peaks of the episode."""
-        model, state = simulation.model, simulation.state
-        loads = simulation.joint_loads()
+        model, state, loads = simulation.model, simulation.state, simulation.joint_loads()
         bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
         axes = [centreline(model, state.q, body) for body in bodies]
         eccentricity = loads[:, [ECCENTRICITY_X, ECCENTRICITY_Y]]

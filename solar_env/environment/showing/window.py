@@ -33,9 +33,7 @@ def open_display() -> Any:
 class Window:
     """A window that shows frames at their rate [Hz]. It opens with the first one; a copy of it begins closed.
 
-    Raises:
-        gymnasium.error.DependencyNotInstalled: on construction, without pygame.
-        OSError: on construction, without a display.
+    Without pygame, or without a display, it refuses on construction.
     """
 
     def __init__(self, rate: float) -> None:

@@ -39,9 +39,6 @@ class Price:
         scale: amount of the figure that costs 1 at a weight of 1, in the unit of the figure.
         weight: 0 leaves the term out.
         bound: most that it costs in one episode at a weight of 1.
-
-    Raises:
-        ValueError: on construction, for a value out of range.
     """
 
     scale: float = number(MISSING, _POSITIVE)

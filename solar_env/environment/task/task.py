@@ -50,9 +50,6 @@ class Task:
         action: "torque", in units of the torque limit, or "rate": the setpoint 5e-4 sinh(7 a) rad/s, from -0.27 to
             0.27, of the rate loop of the hinge drive, whose torque is `Hardware.rate_loop_gain` times the error of the
             rate, at most the torque limit, anew `Hardware.rate_loop_frequency` times in a second, and filtered.
-
-    Raises:
-        ValueError: on construction, for a value out of range.
     """
 
     torque_limit: float = number(MISSING, _POSITIVE)
@@ -79,11 +76,7 @@ class Task:
         return (self.driven_joint,)
 
     def samples(self, hardware: Hardware) -> int:
-        """Samples of the drive in a control period: 1 where actions are torques.
-
-        Raises:
-            ValueError: if the samples of the rate loop do not fill a control period.
-        """
+        """Samples of the drive in a control period, which they must fill: 1 where actions are torques."""
         samples = self.control_period * hardware.rate_loop_frequency if self.action == "rate" else 1.0
         if round(samples) < 1 or not math.isclose(samples, round(samples), rel_tol=1e-9):
             raise ValueError(

@@ -200,16 +200,6 @@ def test_an_episode_is_charged_for_what_the_same_torques_do_to_an_array_without_
     assert run.figures["wear_depth_max_m"] == pytest.approx(record.wear.tolist(), rel=1e-9, abs=0.0)
 
 
-@pytest.mark.parametrize("pattern", [(1, 1, -1, -1), (1, -1, -1)], ids=str)
-def test_chattering_on_the_way_gains_nothing_over_its_mean(pattern, passive):
-    """Averaged over its phase, which shifts the joints' vibration against the latching, and that shifts the impact."""
-    mean = float(np.mean(pattern))
-    nothing = constant(0.0)
-    steady = deploy([in_turn(constant(mean), nothing, all_latched)] * 2, randomize=SAMPLING) if mean else passive
-    shaken = deploy([in_turn(law, nothing, all_latched) for law in phases(pattern)], randomize=SAMPLING)
-    assert mean_total(shaken) < mean_total(steady)
-
-
 def test_neither_chatter_nor_pressing_with_full_torque_gains_anything_over_a_damper():
     damper = viscous(3.0, 3.0)
     alone = deploy([damper] * 3, randomize=SAMPLING)

@@ -159,20 +159,6 @@ def test_motor_work_is_torque_times_angle_whether_it_drives_or_brakes():
         before = after
 
 
-def test_a_saved_episode_goes_on_where_the_same_terms_are_charged_and_nowhere_else():
-    keywords = {"model": "rigid-ideal", "control_period": 1e-3}
-    one, other = (gymnasium.make_vec(DEPLOY, 1, reward=reward, **keywords).unwrapped for reward in (ALL, None))
-    for env in (one, other):
-        env.reset(seed=0)
-        env.step(np.ones((1, 1)))
-    saved = one.lane(0).save_episode()
-    expected = [one.step(np.full((1, 1), -0.5))[1] for _ in range(3)]
-    one.lane(0).restore_episode(saved)
-    assert [one.step(np.full((1, 1), -0.5))[1] for _ in range(3)] == expected
-    with pytest.raises(ValueError, match=r"motor_work.*same terms are charged"):
-        other.lane(0).restore_episode(saved)
-
-
 def test_a_reward_that_is_none_is_refused_by_name():
     for reward, words in (
         ({"peak_impacts": 1.0}, "peak_impacts.*peak_impact"),

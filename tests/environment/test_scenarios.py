@@ -15,9 +15,6 @@ from solar_env.environment.registration import CURRENT, DEPLOY, DEPLOY_RANDOMISE
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.task import VERSIONS
 
-JOINTS = 2
-RATES, SINCE_LATCH = range(JOINTS, 2 * JOINTS), 3 * JOINTS + 2
-
 
 def make(name=DEPLOY, **keywords):
     return gymnasium.make(name, model="rigid-ideal", **keywords).unwrapped
@@ -135,17 +132,6 @@ def test_ranges_that_make_no_sense_are_refused_by_name():
     ):
         with pytest.raises(ValueError, match=words):
             make(randomize=ranges)
-
-
-def test_the_privileged_observation_shows_what_is_behind_the_sensors():
-    perfect = {"angle_noise": 0.0, "rate_noise": 0.0, "encoder_resolution": 0.0, "sensor_delay": 0}
-    behind = [
-        watch(make(DEPLOY_RANDOMISED, observation="privileged", hardware=hardware), [0.5, -0.5, 0.2], seed=5)
-        for hardware in ({}, perfect)
-    ]
-    beyond = SINCE_LATCH + 1
-    assert np.array_equal(behind[0][:, beyond:], behind[1][:, beyond:])
-    assert not np.array_equal(behind[0][:, RATES], behind[1][:, RATES])
 
 
 @pytest.mark.parametrize("name", CURRENT)

@@ -7,12 +7,10 @@ import math
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env as check_by_gymnasium
-from stable_baselines3.common.env_checker import check_env as check_by_stable_baselines3
 
 import solar_env
 from solar_env import Hardware
-from solar_env.environment.registration import CURRENT, DEPLOY
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.features import FEATURES
 from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
 from solar_env.environment.task.sensors import Sensors
@@ -104,14 +102,6 @@ def test_a_measurement_is_shown_late_where_the_row_says_so(row):
         made.measure(np.arange(1))
         shown.append(made.observed[0, 0])
     assert shown == ([first, first, later] if row.delayed else [later] * 3)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("name", CURRENT)
-def test_both_checkers_accept_all_observables_together(name):
-    env = gymnasium.make(name, model="rigid-ideal", control_period=1e-3, observation=EVERYTHING).unwrapped
-    check_by_gymnasium(env, skip_render_check=True)
-    check_by_stable_baselines3(env)
 
 
 def test_the_observations_list_what_is_documented_in_that_order():

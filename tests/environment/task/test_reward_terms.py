@@ -141,24 +141,6 @@ def test_what_a_missed_deadline_costs_must_exceed_what_all_else_can_together(ter
     assert Reward({**edge, "missed_deadline": 14.1}).names.count(term.name) == 1
 
 
-def test_motor_work_is_torque_times_angle_whether_it_drives_or_brakes():
-    env = gymnasium.make(
-        DEPLOY,
-        model="rigid-ideal",
-        control_period=1e-3,
-        parameters={"initial_rate": 0.5},
-        reward={"motor_work": {"weight": 1.0, "scale": 1e-6, "bound": 1e4}, **DEAR},
-        observation=["theta", "motor_torque"],
-    ).unwrapped
-    before, _ = env.reset(seed=0)
-    for action in (1.0, -1.0, 0.4, -0.6):
-        after, _, _, _, info = env.step([action])
-        work = abs(0.5 * action * (after[0] - before[0]) * math.pi / 2)
-        assert -info["reward_terms"]["motor_work"] * 1e-6 == pytest.approx(work, rel=1e-3)
-        assert work > 1e-5
-        before = after
-
-
 def test_a_reward_that_is_none_is_refused_by_name():
     for reward, words in (
         ({"peak_impacts": 1.0}, "peak_impacts.*peak_impact"),

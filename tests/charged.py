@@ -17,7 +17,7 @@ from agents.torque_laws import Signals
 from solar_env.array.methods import default_integrator
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.reward import Reward
-from solar_env.environment.task.versions import PRESENT
+from solar_env.environment.task.task import PRESENT
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE
 

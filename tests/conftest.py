@@ -39,7 +39,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """
     if hasattr(session.config, "workerinput") or session.config.option.collectonly:
         return
-    from solar_env.array.compilation import kernels_are_compiled
+    from solar_env.array.methods import kernels_are_compiled
     from solar_env.commands.warmup import compile_side_by_side
     from solar_env.mechanics.integrators.settings import INTEGRATORS
 

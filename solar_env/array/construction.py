@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from solar_env.array.level import ModelLevel
 from solar_env.array.parameters import ArrayParameters
-from solar_env.array.parameters.plan import MAIN_BODY, JointRow
+from solar_env.array.parameters.parameters import MAIN_BODY, JointRow
 from solar_env.mechanics.bodies.description import Point
 from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, Joint, Mechanism, Spring
 

@@ -28,9 +28,6 @@ def write_data(trajectory: Trajectory, path: Path) -> None:
     """Write a deployment, as its suffix says: ".npz" all of it, see `Trajectory.load`, ".csv" a row for each sample.
 
     Columns of the table name quantity, unit and joint, as in "angle_rad_1"; energies are "kinetic_J" and the like.
-
-    Raises:
-        ValueError, OSError: as `check_target`.
     """
     check_target(path, SUFFIXES)
     if path.suffix.lower() == ".npz":
@@ -46,11 +43,7 @@ def write_data(trajectory: Trajectory, path: Path) -> None:
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
-    """Write a CSV file of columns (n,) by their names, with as many digits as the numbers have.
-
-    Raises:
-        OSError: if it cannot be written.
-    """
+    """Write a CSV file of columns (n,) by their names, with as many digits as the numbers have."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)

@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array.compilation import announce_compilation, mark_compiled
 from solar_env.array.construction import build
 from solar_env.array.level import ModelLevel
-from solar_env.array.methods import given_integrator
+from solar_env.array.methods import announce_compilation, make_integrator, mark_compiled
 from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
@@ -34,13 +33,10 @@ def simulate(
     Args:
         parameters: a parameter set, or changes by name to that of the preset.
         preset: name of a parameter set, see `ArrayParameters.preset`.
-        model: its level: one of `array.MODELS`, after which the fineness of flexible panels may stand, as in
-            "flexible-clearance:8 modes" (in a floating frame; 32 by default) or "flexible-ideal:6 elements" (beams of
-            cable elements, as the paper's).
+        model: its level, such as "flexible-clearance:8 modes", see `ModelLevel`.
         duration: [s].
-        integrator: settings of a method, such as `RungeKutta(rtol=1e-8)`, or its name, such as "rosenbrock", see
-            `array.methods.make_integrator`; by default that of `default_integrator` of the level.
-        rtol: local error tolerance of the default or of a named method; settings hold their own.
+        integrator, rtol: settings of a method, such as `RungeKutta(rtol=1e-8)`, or its name, such as "rosenbrock", and
+            its local error tolerance, see `array.methods.make_integrator`.
         output_step: distance of the samples [s]; independent of the integration step.
         progress: called with the simulated time [s] now and then; the result does not depend on it.
 
@@ -60,7 +56,7 @@ def simulate(
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters.preset(preset).with_changes(parameters or {})
     level = ModelLevel.of(model)
-    method = given_integrator(integrator, level, rtol)
+    method = make_integrator(integrator, level, rtol=rtol)
     announce_compilation(method.name)
     trajectory = simulate_mechanism(
         build(parameters, level),
@@ -77,22 +73,16 @@ def simulate(
 def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
     """Deflection of every panel's middle from the chord between its ends, over the samples of a deployment.
 
-    Args:
-        trajectory: as `simulate` returns it, or loaded from a file.
-
     Returns:
-        (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip, zero for rigid panels.
+        (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip.
     """
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
     model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
-    axes = (centreline(model, trajectory.coordinates, joint.panel, 2) for joint in parameters.joints)
-    return np.stack([_middle_deflection(axis) for axis in axes], axis=1)
-
-
-def _middle_deflection(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Distance (nt,) [m] of the middle one of (nt, k, 2) points [m] from the line through the first and the last."""
-    if points.shape[1] == 2:
-        return np.zeros(len(points))
-    chord, arm = points[:, -1] - points[:, 0], points[:, points.shape[1] // 2] - points[:, 0]
-    return (chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]) / np.hypot(chord[:, 0], chord[:, 1])
+    deflections = []
+    for joint in parameters.joints:
+        points = centreline(model, trajectory.coordinates, joint.panel, 2)
+        chord, arm = points[:, -1] - points[:, 0], points[:, points.shape[1] // 2] - points[:, 0]
+        across = chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]
+        deflections.append(across / np.hypot(chord[:, 0], chord[:, 1]))
+    return np.stack(deflections, axis=1)

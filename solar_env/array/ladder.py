@@ -5,10 +5,10 @@ Errors and costs of the levels are read from a table that `solar-env ladder` mea
 
 import csv
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import get_type_hints
 
 PACKAGED_TABLE = Path(__file__).resolve().parent / "data" / "ladder.csv"
 
@@ -27,17 +27,14 @@ _ROUNDING = 1.0 + 1e-9  # shares of pairs are compared with tolerances that are 
 
 @dataclass(frozen=True)
 class Answer:
-    """Error and cost of one level for one question.
+    """Error and cost of one level, a word as `ModelLevel.of` takes it, for one of the QUESTIONS.
 
     Attributes:
-        question: one of QUESTIONS.
-        level: of the model, a word as `ModelLevel.of` takes it.
         error: of the mean over an ensemble, relative, against a reference that is finer than all levels. Of the worst
             joint, where there are several.
         half_width: of the 95 % sampling band of that error.
         cost_ratio: wall time over that of the reference, measured side by side.
-        evaluations: of the right-hand side, mean of the runs.
-        members: runs in the ensemble.
+        evaluations: of the right-hand side, mean of the members of the ensemble.
     """
 
     question: str
@@ -58,45 +55,22 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
     """Read the table of the package, or another one that `solar-env ladder` wrote.
 
     Raises:
-        ValueError: if the file does not exist or is not such a table.
+        ValueError: if the file cannot be read or is not such a table.
     """
-    if not path.is_file():
-        raise ValueError(f"{path} does not exist; measure it: solar-env ladder")
     kinds = get_type_hints(Answer)
-    answers = []
     try:
         lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-        head = next((number for number, line in enumerate(lines) if not line.startswith("# ")), len(lines))
-        reader = csv.DictReader(lines[head:])
-        for row in reader:
-            place = f"{path}, line {head + reader.line_num}"
-            answers.append(Answer(**{name: _read_cell(row, name, kind, place) for name, kind in kinds.items()}))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ValueError(f"{path} is not a table of the ladder ({error}); measure it anew: solar-env ladder") from error
-    return tuple(answers)
-
-
-def _read_cell(row: Mapping[str, str | None], name: str, kind: type[Any], place: str) -> Any:
-    text = row.get(name)
-    if text is None:
-        raise ValueError(
-            f"{place} is not of a table of the ladder: it lacks {name!r}; measure it anew: solar-env ladder"
-        )
-    try:
-        value = kind(text)
-    except (ValueError, OverflowError):
-        value = None
-    if value is None or (name == "cost_ratio" and not value > 0.0):
-        wanted = {int: "a whole number", float: "a number"}[kind] if value is None else "a positive number"
-        raise ValueError(f"{place}: {name} is {text!r}, where {wanted} belongs; measure it anew: solar-env ladder")
-    return value
+        rows = csv.DictReader(line for line in lines if not line.startswith("# "))
+        answers = tuple(Answer(**{name: kind(row[name]) for name, kind in kinds.items()}) for row in rows)
+        if not all(answer.cost_ratio > 0.0 for answer in answers):
+            raise ValueError("a cost_ratio is not positive")
+    except (OSError, ValueError, TypeError, KeyError, OverflowError, csv.Error) as error:
+        raise ValueError(f"{path} is not a table of the ladder ({error}); measure it: solar-env ladder") from error
+    return answers
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """The levels that `cheapest` chooses for one tolerance or another, from the finest to the cheapest.
-
-    A level is chosen from its `bound` on, up to the bound of the next.
-    """
+    """The levels that `cheapest` chooses, from the finest to the cheapest, each up to the `bound` of the next."""
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
         if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
@@ -107,14 +81,9 @@ def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
 def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answer:
     """The answer of the cheapest level whose error, sampling included, is within a tolerance.
 
-    Args:
-        answers: as `read_answers` gives them.
-        question: one of QUESTIONS.
-        tolerance: relative, see QUESTIONS.
-
     Raises:
-        ValueError: if the question is unknown or was not measured, the tolerance is not a positive finite number, or
-            no level is within it.
+        ValueError: if the question is unknown or was not measured, the tolerance is no positive finite number, or no
+            level is within it.
     """
     if question not in QUESTIONS:
         raise ValueError(f"question {question!r} is unknown; choose from {', '.join(QUESTIONS)}")
@@ -135,9 +104,5 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
 
 
 def cheapest_level(question: str, tolerance: float) -> str:
-    """The cheapest level of the model that answers a question to a relative tolerance, as `model=` takes it.
-
-    Raises:
-        ValueError: as `cheapest`.
-    """
+    """The cheapest level of the model that answers a question to a relative tolerance, as `model=` takes it."""
     return cheapest(read_answers(), question, tolerance).level

@@ -40,16 +40,12 @@ class ModelLevel:
 
     def __post_init__(self) -> None:
         if not self.flexible and (self.unit or self.count):
-            raise ValueError(f"model {self.name!r} has rigid panels, which take no count: leave out {self.count!r}")
+            raise ValueError(f"model '{self.name}' has rigid panels, which take no count: leave out '{self.size}'")
         self.body(ArrayParameters(), "panel", {})
 
     @classmethod
     def of(cls, word: str | Self) -> Self:
-        """The level of a word.
-
-        Raises:
-            ValueError: if it is none; the message names those that come close.
-        """
+        """The level of a word; what is none is refused by a ValueError that names those that come close."""
         if isinstance(word, cls):
             return word
         found = _WORD.fullmatch(word) if isinstance(word, str) else None
@@ -60,13 +56,9 @@ class ModelLevel:
                 "'flexible-clearance:8 modes' or 'flexible-ideal:6 elements')"
             )
         panels, joints = name.split("-")
-        if panels == RIGID:
-            if found["count"] is not None:
-                raise ValueError(f"model {word!r} has rigid panels, which take no count: name it {name!r}")
-            return cls(panels, joints)
-        if found["count"] is None:
-            return cls(panels, joints, MODES, DEFAULT_MODES)
-        return cls(panels, joints, f"{found['unit']}s", int(found["count"]))
+        if found["count"] is not None:
+            return cls(panels, joints, f"{found['unit']}s", int(found["count"]))
+        return cls(panels, joints, MODES, DEFAULT_MODES) if panels == FLEXIBLE else cls(panels, joints)
 
     @property
     def name(self) -> str:
@@ -91,7 +83,7 @@ class ModelLevel:
     @property
     def size(self) -> str:
         """The fineness of the panels in words: "32 modes", or "rigid"."""
-        return f"{self.count} {self.unit[:-1] if self.count == 1 else self.unit}" if self.flexible else RIGID
+        return f"{self.count} {self.unit[:-1] if self.count == 1 else self.unit}" if self.unit else RIGID
 
     def __str__(self) -> str:
         """The shortest word of the level."""

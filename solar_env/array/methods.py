@@ -1,8 +1,13 @@
-"""The integrator of a deployment: by name, or the default of the model's level."""
+"""The integrator of a deployment: by name, or the default of the model's level; and whether it is compiled already."""
 
+import sys
+from collections.abc import Iterable
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
 
-from solar_env.array.level import ModelLevel
+from solar_env.array.level import MODELS, ModelLevel
 from solar_env.mechanics.integrators.settings import (
     INTEGRATORS,
     GeneralizedAlpha,
@@ -27,15 +32,15 @@ def default_integrator(model: str | ModelLevel) -> RungeKutta:
     """
     level = ModelLevel.of(model)
     if level.modal:
-        return _modal_radau(level.clearance)
+        return _modal_radau(level)
     if level.flexible:
         return Rosenbrock(rtol=1e-4)
     return RungeKutta(rtol=2e-6, impact_resolution=12.0) if level.clearance else RungeKutta(rtol=5e-7)
 
 
-def _modal_radau(clearance: bool) -> ModalRadau:
+def _modal_radau(level: ModelLevel) -> ModalRadau:
     # Peak forces and impacts of the passive array converge at 2.5e-3 already, its deepest wear at 1e-3.
-    return ModalRadau(rtol=1e-3 if clearance else 2e-4)
+    return ModalRadau(rtol=1e-3 if level.clearance else 2e-4)
 
 
 def landing_integrator(model: str | ModelLevel) -> RungeKutta:
@@ -49,74 +54,85 @@ def landing_integrator(model: str | ModelLevel) -> RungeKutta:
     return replace(default, velocity_scale=_LANDING_SPEED) if level.modal and level.clearance else default
 
 
-def check_fits(integrator: Integrator, model: str | ModelLevel) -> Integrator:
-    """Return an integrator that steps the panels of a level.
-
-    Raises:
-        ValueError: if it does not.
-    """
-    level = ModelLevel.of(model)
-    if level.flexible and level.modal != isinstance(integrator, ModalRadau):
-        kind, other = ("modes", "beam elements") if level.modal else ("beam elements", "modes")
-        instead = f"{level.name}:6 elements" if level.modal else level.name
-        raise ValueError(
-            f"integrator = {integrator.name!r} steps panels of {other}, and those of model = {str(level)!r} are of "
-            f"{kind}: choose the model {instead!r}, or leave out the integrator"
-        )
-    return integrator
-
-
-def given_integrator(integrator: Integrator | str | None, model: str | ModelLevel, rtol: float | None) -> Integrator:
+def make_integrator(
+    integrator: Integrator | str | None,
+    model: str | ModelLevel,
+    step: float | None = None,
+    rtol: float | None = None,
+) -> Integrator:
     """The method that a user has given by name or by settings, else the default of the level.
 
     Args:
-        integrator: settings, a name that `make_integrator` takes, or None.
-        model: its level.
-        rtol: local error tolerance in place of the default's or a named method's usual one.
-
-    Raises:
-        ValueError: if the name is unknown, if it is no method, if it does not step the level's panels, or if `rtol`
-            does not apply or is given twice.
-    """
-    if integrator is None:
-        return default_integrator(model).with_options(None, rtol)
-    if isinstance(integrator, str):
-        return make_integrator(integrator, model, rtol=rtol)
-    if type(integrator) not in INTEGRATORS.values():
-        names = ", ".join(f"{kind.__name__}(...)" for kind in INTEGRATORS.values())
-        raise ValueError(f"integrator = {integrator!r} must be one of {', '.join(INTEGRATOR_NAMES)}, or {names}")
-    if rtol is not None:
-        raise ValueError(
-            f"rtol = {rtol!r} beside integrator = {integrator!r}: give the tolerance in its settings alone"
-        )
-    return check_fits(integrator, model)
-
-
-def make_integrator(
-    name: str, model: str | ModelLevel, step: float | None = None, rtol: float | None = None
-) -> Integrator:
-    """An integrator by name, as the command line takes it.
-
-    Args:
-        name: of a method ("runge-kutta", "rosenbrock" and "modal-radau" adapt their steps, which `step` bounds;
-            "generalized-alpha", rho_inf = 0.8, takes a fixed `step`, 1e-4 s by default) or "paper"
+        integrator: settings, None, or a name ("runge-kutta", "rosenbrock" and "modal-radau" adapt their steps, which
+            `step` bounds; "generalized-alpha", rho_inf = 0.8, takes a fixed `step`, 1e-4 s by default) or "paper"
             (generalized-alpha with beta = 1/4, gamma = 1/2).
         model: level of the model.
         step: [s].
         rtol: local error tolerance.
 
     Raises:
-        ValueError: if the name is unknown, it does not step the level's panels, or an option does not apply.
+        ValueError: if it is no method, does not step the level's panels, or an option does not apply.
     """
-    if name not in INTEGRATOR_NAMES:
-        raise ValueError(f"integrator {name!r} is unknown; choose from {', '.join(INTEGRATOR_NAMES)}")
-    default, clearance = default_integrator(model), ModelLevel.of(model).clearance
-    suited: dict[str, Integrator] = {
+    level = ModelLevel.of(model)
+    default = default_integrator(level)
+    methods: dict[Any, Integrator] = {
+        **{name: kind() for name, kind in INTEGRATORS.items()},
         RungeKutta.name: RungeKutta(rtol=1e-5),
         Rosenbrock.name: Rosenbrock(rtol=default.rtol),
-        ModalRadau.name: _modal_radau(clearance),
+        ModalRadau.name: _modal_radau(level),
         PAPER: GeneralizedAlpha(rho_inf=1.0),
         default.name: default,
+        None: default,
     }
-    chosen = suited[name] if name in suited else INTEGRATORS[name]()
-    return check_fits(chosen, model).with_options(step, rtol)
+    if isinstance(integrator, (RungeKutta, GeneralizedAlpha)):
+        chosen = integrator
+        if step is not None or rtol is not None:
+            raise ValueError(f"rtol = {rtol!r} beside integrator = {integrator!r}: give it in its settings alone")
+    elif integrator in methods:
+        chosen = methods[integrator]
+    else:
+        known = (*INTEGRATOR_NAMES, *(f"{kind.__name__}(...)" for kind in INTEGRATORS.values()))
+        raise ValueError(f"integrator {integrator!r} is unknown; choose from {', '.join(known)}")
+    if level.flexible and level.modal != isinstance(chosen, ModalRadau):
+        kind, other = ("modes", "beam elements") if level.modal else ("beam elements", "modes")
+        instead = f"{level.name}:6 elements" if level.modal else level.name
+        raise ValueError(
+            f"integrator = {chosen.name!r} steps panels of {other}, and those of model = {str(level)!r} are of "
+            f"{kind}: choose the model {instead!r}, or leave out the integrator"
+        )
+    return chosen.with_options(step, rtol)
+
+
+def kernels_are_compiled(integrator: str) -> bool:
+    """Whether the cache holds the kernels of an integrator for these very sources, or none are to be compiled."""
+    import numba
+
+    return bool(numba.config.DISABLE_JIT) or _mark(integrator).exists()
+
+
+def compilation_note(integrators: Iterable[str]) -> str:
+    """A remark that the kernels of some integrators are compiled first; empty if all are compiled already."""
+    return "" if all(map(kernels_are_compiled, integrators)) else " (compiles kernels first: minutes, this time alone)"
+
+
+@cache
+def announce_compilation(integrator: str) -> None:
+    """Say on standard error, once a process, that kernels are going to be compiled."""
+    if not kernels_are_compiled(integrator):
+        told = f"solar_env compiles the kernels of {integrator}: minutes, this time alone; later runs load them"
+        print(told, file=sys.stderr, flush=True)
+
+
+@cache
+def mark_compiled(integrator: str) -> None:
+    """Remember that an integrator has run, and its kernels lie in the cache."""
+    _mark(integrator).touch()
+
+
+def _mark(integrator: str) -> Path:
+    """File beside the kernels of the run."""
+    from solar_env.mechanics.integrators import run
+    from solar_env.mechanics.numerics.jit import cache_folder
+
+    method = make_integrator(integrator, MODELS[0]).name
+    return Path(cache_folder(Path(run.__file__).resolve())) / f"{method}.compiled"

@@ -2,21 +2,21 @@
 
 import multiprocessing
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 
 from rich.console import Console
 
 from solar_env.array import MODELS, ArrayParameters, ModelLevel, build
-from solar_env.array.compilation import compilation_note, mark_compiled
-from solar_env.array.methods import make_integrator
+from solar_env.array.methods import compilation_note, make_integrator, mark_compiled
 from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
 from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage
 
-# The first two share next to nothing; the others find compiled what they share with those.
-_ORDER = (RungeKutta.name, ModalRadau.name, Rosenbrock.name, GeneralizedAlpha.name)
+# The first two share next to nothing; the last finds compiled what it shares with the first. Those of a pair are the
+# same kernels.
+_ORDER = ((RungeKutta.name, Rosenbrock.name), (ModalRadau.name,), (GeneralizedAlpha.name,))
 
 
 @dataclass
@@ -36,9 +36,9 @@ def load_kernels(model: str, integrator: str) -> float:
     return time.perf_counter() - start
 
 
-def load_all_models(integrator: str) -> list[float]:
-    """`load_kernels` for every model; the models share their kernels."""
-    return [load_kernels(model, integrator) for model in MODELS]
+def load_all_models(integrators: Sequence[str]) -> dict[str, list[float]]:
+    """`load_kernels` of some integrators for every model; the models share their kernels."""
+    return {integrator: [load_kernels(model, integrator) for model in MODELS] for integrator in integrators}
 
 
 def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
@@ -51,9 +51,9 @@ def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
     pool = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
     try:
         with starting_workers():
-            jobs = {pool.submit(load_all_models, integrator): integrator for integrator in _ORDER}
+            jobs = [pool.submit(load_all_models, integrators) for integrators in _ORDER]
         for job in as_completed(jobs):
-            yield jobs[job], job.result()
+            yield from job.result().items()
     except BaseException:
         for worker in multiprocessing.active_children():  # each would compile what it is at to the end
             worker.terminate()

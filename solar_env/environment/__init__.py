@@ -7,5 +7,5 @@ the environments of Gymnasium. The room may import `solar_env.array`, `solar_env
 and nothing of learning.
 
 To add a keyword: a field of `settings.EnvironmentSettings`; a scenario: a row of `scenarios.SCENARIOS`; a version of
-the task: a row of `task.versions.VERSIONS`. Ids follow from both tables.
+the task: a row of `task.task.VERSIONS`. Ids follow from both tables.
 """

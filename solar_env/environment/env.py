@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.environment.calls import Exclusive, checked_actions, checked_options
-from solar_env.environment.episodes import Episodes
+from solar_env.environment.episodes import Episodes, checked_actions
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
 from solar_env.environment.showing.window import Window
 from solar_env.environment.task.observations import observation_table
@@ -78,13 +77,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     every reset: springs, clearances and initial rates of every joint by themselves, other quantities by joint where
     their bounds are given by joint.
 
-    ## Scenarios
-
-    * "nominal" (`solar_env/Deploy-v1`): nothing is drawn, sensors and motor are perfect.
-    * "randomised" (`solar_env/DeployRandomised-v1`): clearances, friction, restitution, stiffnesses, initial rates and
-      spin are drawn; sensors are noisy, coarse and late, the motor lags. `solar_env.environment.scenarios` has the
-      numbers.
-
     ## Episode End
 
     * Termination: `postlock_window` after the last latching (the last step is cut to end there), or at the deadline if
@@ -93,16 +85,12 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Information
 
-    Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the physical figures of the episode
+    Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the figures of the episode
     (`latched`, `latch_times_s`, `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`,
     `postlock_impulse_Ns`, `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint but the
     first, `motor_work_J`, `energy_residual_J`, `duration_s`).
 
     ## Arguments
-
-    ```python
-    gymnasium.make("solar_env/Deploy-v1", model="rigid-clearance", randomize={"clearance": (5e-5, 5e-4)})
-    ```
 
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `version`,
     `torque_limit`, `control_period`, `deadline`, `postlock_window`, `driven_joint`, `action`, `observation`, `reward`,
@@ -120,7 +108,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             TypeError: for an unknown keyword.
             ValueError: for an unknown name or a refused value; the message says which.
-            gymnasium.error.DependencyNotInstalled: for the render mode "human" without pygame.
         """
         settings = EnvironmentSettings.of(keywords)
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
@@ -131,16 +118,11 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
         self._episodes = Episodes(settings, [self.parameters])
         self._lane = np.zeros(1, dtype=np.int64)
-        self._exclusive = Exclusive()
         self._window = Window(1.0 / self.task.control_period) if self.render_mode == "human" else None
 
     @property
     def simulation(self) -> Simulation:
-        """The running simulation; its state can be saved and restored between steps.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-        """
+        """The running simulation; its state can be saved and restored between steps."""
         return self._episodes.batch.simulations[0]
 
     @property
@@ -157,17 +139,15 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Fold the array and draw its parameters.
 
-        Args:
-            seed: of the draws and the noise; None continues the sequence.
-            options: {"parameters": {name: value}} changes parameters for this episode.
+        The option {"parameters": {name: value}} changes parameters for this episode.
 
         Raises:
             ValueError: for unknown options, parameters or refused values; the present episode goes on then.
-            RuntimeError: if another thread is in a call of this environment.
         """
-        changes = [checked_options(options, "parameters").get("parameters") or {}]
-        with self._exclusive:
-            self._episodes.check_changes(self._lane, changes)
+        settings = self._episodes.settings
+        changes = [settings.check_options(options, "parameters").get("parameters") or {}]
+        with self._episodes.alone():
+            settings.check_changes(self.parameters, changes[0])
             super().reset(seed=seed)
             self._episodes.reset(self._lane, [self.np_random], changes)
             if self._window:
@@ -175,23 +155,19 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             return self._episodes.observations[0].copy(), self._episodes.info(0)
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Hold a motor torque for one control period.
-
-        Args:
-            action: (1,) motor torque in units of the torque limit; clipped to [-1, 1].
+        """Hold an action (1,), clipped to [-1, 1], for one control period.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.
             ValueError, TypeError: if the action has the wrong shape, is not finite, or is no number.
             SimulationError: if the simulation cannot go on, or takes more than `max_steps` steps.
             RuntimeError: if another thread is in a call of this environment.
-            KeyboardInterrupt: within a second of Ctrl-C; the simulation stays at an accepted step.
 
         Warns:
             SimulationWarning: if the episode was less accurate than it looks, see `Simulation.check`.
         """
         episodes, actions = self._episodes, checked_actions(action, (len(self.task.driven_joints),))
-        with self._exclusive:
+        with episodes.alone():
             if episodes.terminated[0]:
                 raise gymnasium.error.ResetNeeded(f"the episode ended at {self.simulation.time:g} s: call reset()")
             episodes.step(self._lane, actions[np.newaxis])

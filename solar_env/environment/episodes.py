@@ -1,6 +1,7 @@
 """Episodes of the control task, lane by lane, of a single environment and of a vector of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, NamedTuple, Self
 
@@ -9,28 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.array.compilation import announce_compilation, mark_compiled
-from solar_env.environment.figures import episode_figures
+from solar_env.array.methods import announce_compilation, mark_compiled
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
 from solar_env.environment.task.periods import begin_periods, begin_samples, end_periods, observe_lanes
 from solar_env.environment.task.sensors import Memory
+from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 
 
 class SavedEpisode(NamedTuple):
-    """An episode between two of its steps: see `Episodes.save`.
-
-    Attributes:
-        parameters: of the episode.
-        state: of the simulation, mid-contact included.
-        names: of the terms of the reward.
-        terms: (terms,) of the latest reward.
-        account: (terms, 2) figures charged so far, and their latest readings.
-        loop_torques: (motors,) that the drives' rate loops ask of the motors [N m].
-        sensors: their memory, the state of their noise included.
+    """An episode between two of its steps, see `Episodes.save`: the simulation's state, mid-contact included, the terms
+    of the reward with their accounts, the torques of the rate loops [N m] and the memory of the sensors.
     """
 
     parameters: ArrayParameters
@@ -58,13 +51,7 @@ class Episodes:
     def __init__(
         self, settings: EnvironmentSettings, designs: Sequence[ArrayParameters], threads: int | None = None
     ) -> None:
-        """Without episodes yet: they begin with `reset`.
-
-        Args:
-            settings: of the environment; with a render mode, force peaks are kept for frames.
-            designs: parameters by lane, before anything is drawn.
-            threads: see `Batch`.
-        """
+        """Without episodes yet: they begin with `reset`; `threads`: see `Batch`."""
         self.settings, self.designs, self.parameters = settings, tuple(designs), list(designs)
         lanes, terms, motors = len(designs), len(settings.terms.names), len(settings.task.driven_joints)
         self._sensors = settings.sensors(lanes)
@@ -74,17 +61,27 @@ class Episodes:
         self._loop_torques, self._rate_errors = np.zeros((lanes, motors)), np.zeros((lanes, motors))
         self.terminated = np.zeros(lanes, dtype=np.bool_)
         self._numbers, self._samples = settings.task.numbers(settings.drive), settings.task.samples(settings.drive)
-        self._threads = threads
         self._batch: Batch | None = None
-        self._films: list[Film] | None = [Film(settings) for _ in range(lanes)] if settings.render_mode else None
+        self._films = [Film(settings) for _ in range(lanes)]
+        self._threads, self._busy = threads, False
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Refuse whoever calls while another thread is in here, by a RuntimeError."""
+        if self._busy:
+            raise RuntimeError(
+                "this environment is in another call just now: give every thread an environment of its own, or take a "
+                "vector environment, which has threads inside"
+            )
+        self._busy = True
+        try:
+            yield
+        finally:
+            self._busy = False
 
     @property
     def batch(self) -> Batch:
-        """The simulations.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-        """
+        """The simulations; there are none before the first reset."""
         if self._batch is None:
             raise gymnasium.error.ResetNeeded("call reset() before using the simulation")
         return self._batch
@@ -94,27 +91,14 @@ class Episodes:
         """(lanes,) time of each episode [s]; a copy."""
         return np.array(self.batch.states.clock["time"][:, 0])
 
-    def check_changes(self, lanes: NDArray[np.int64], changes: Sequence[Changes]) -> None:
-        """Check changes of the parameters of episodes in some lanes, before anything is seeded or drawn.
-
-        Raises:
-            ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
-        """
-        for lane, change in zip(lanes, changes, strict=True):
-            self.settings.check_changes(self.designs[lane], change)
-
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
-        """Begin episodes: folded, with parameters that are drawn.
+        """Begin episodes in some lanes (k,), the first time in all: folded, with parameters that are drawn.
 
-        Args:
-            lanes: (k,) which; the first time all, in order.
-            generators: (k,) of random numbers.
-            changes: (k,) of parameters, after the draw; see `check_changes`.
+        Changes of parameters, after the draw, are checked by `EnvironmentSettings.check_changes` before.
 
         Raises:
-            gymnasium.error.ResetNeeded: if not all lanes have begun an episode yet.
             ValueError: if the lanes' designs differ in structure.
         """
         if self._batch is None and lanes.size < len(self.parameters):
@@ -131,7 +115,7 @@ class Episodes:
             if self._batch.simulations[lane] is not simulation:
                 self._batch.replace(lane, simulation)
             self.parameters[lane] = parameters
-            self._begin_film(lane)
+            self._films[lane] = Film(self.settings)
         self.terminated[lanes] = False
         for values in (self.terms, self.rewards, self._accounts, self._loop_torques):
             values[lanes] = 0.0
@@ -141,11 +125,7 @@ class Episodes:
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Hold actions for one control period; `attempt` that raises the first failure.
-
-        Raises:
-            SimulationError: if a simulation cannot go on; a note names the lane, and the others have advanced.
-        """
+        """Hold actions for one control period; `attempt` that raises the first failure as a SimulationError."""
         raise_first(self.attempt(lanes, actions))
 
     def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
@@ -189,16 +169,12 @@ class Episodes:
             self._accounts, self.terms, self.rewards, sensors.exact, self.terminated,
         )  # fmt: skip
         sensors.measure(lanes)
-        if self._films is not None:
+        if self.settings.render_mode:
             for lane in lanes:
                 self._films[lane].add(batch.simulations[lane].state)
 
     def save(self, lane: int) -> SavedEpisode:
-        """The present episode of a lane, to be gone on with later, in any lane of episodes with the same settings.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-        """
+        """The present episode of a lane, to be gone on with later, in any lane of episodes with the same settings."""
         state, sensors = self.batch.simulations[lane].snapshot(), self._sensors.memory(lane)
         terms, account, torques = (values[lane].copy() for values in (self.terms, self._accounts, self._loop_torques))
         return SavedEpisode(self.parameters[lane], state, self.settings.terms.names, terms, account, torques, sensors)
@@ -207,7 +183,6 @@ class Episodes:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
 
         Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
             ValueError: if structure, entries observed or terms charged differ; the present episode goes on then.
         """
         if saved.names != self.settings.terms.names:
@@ -218,7 +193,7 @@ class Episodes:
         self._sensors.check(saved.sensors)
         self.batch.replace(lane, self._simulation(saved))
         self._recall(lane, saved)
-        self._begin_film(lane)
+        self._films[lane] = Film(self.settings)
 
     def _simulation(self, saved: SavedEpisode) -> Simulation:
         simulation = self.settings.simulation(saved.parameters)
@@ -232,24 +207,11 @@ class Episodes:
         self.terms[lane], self.rewards[lane] = saved.terms, saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
 
-    def _begin_film(self, lane: int) -> None:
-        if self._films is not None:
-            self._films[lane] = Film(self.settings)
-
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
-        """Copies of the present episode of a lane, which go on without touching it.
+        """Copies of the present episode of a lane, as lanes of what is returned, which go on without touching it.
 
-        Each has the original's whole state, mid-contact included, its parameters, its account, its motors and its
-        sensors with the noise that is to come, and goes on to the same bits under the same actions.
-
-        Args:
-            lane: of the original.
-            count: number of copies, the lanes of what is returned.
-            threads: most threads that advance them; by default as many as there are processors for this process.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if `count` or `threads` is not positive.
+        Each has all that is saved of the original, with the noise that is to come, and goes on to the same bits under
+        the same actions; on `threads` threads at most.
         """
         saved = self.save(lane)
         copies = type(self)(replace(self.settings, render_mode=None), [saved.parameters] * count, threads)
@@ -265,8 +227,31 @@ class Episodes:
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> dict[str, Any]:
-        """The physical figures of an episode; see `figures.episode_figures`."""
-        return episode_figures(self.batch.simulations[lane], self.settings.task.driven_joints)
+        """The physical figures of an episode so far, for `info["deployment"]`.
+
+        Warns:
+            SimulationWarning: if it was less accurate than it looks, see `Simulation.check`.
+        """
+        simulation, driven_joints = self.batch.simulations[lane], list(self.settings.task.driven_joints)
+        simulation.check()
+        state, joints = simulation.state, simulation.state.joints
+        by_joint = m.joint_integrals(state.integrals)
+        locked = float(state.clock["latched_joints"][0] > 0)
+        latches = zip(joints["latch_time"], joints["latched"], strict=True)
+        return {
+            "latched": bool(joints["latched"].all()),
+            "latch_times_s": [float(time) if latched else None for time, latched in latches],
+            "peak_prelatch_force_N": joints["lock_peak_force" if locked else "peak_force"].tolist(),
+            "peak_postlock_force_N": joints["postlock_peak_force"].tolist(),
+            "sliding_work_J": by_joint[:, m.SLIDING_WORK].tolist(),
+            "postlock_impulse_Ns": ((by_joint[:, m.IMPULSE] - joints["lock_impulse"]) * locked).tolist(),
+            "postlock_sliding_work_J": ((by_joint[:, m.SLIDING_WORK] - joints["lock_sliding_work"]) * locked).tolist(),
+            "wear_depth_max_m": np.maximum(state.wear_journal.max(axis=1), state.wear_bearing.max(axis=1)).tolist(),
+            "contact_starts": joints["contact_starts"].tolist(),
+            "motor_work_J": float(by_joint[driven_joints, m.MOTOR_WORK].sum()),
+            "energy_residual_J": simulation.energy_residual(),
+            "duration_s": simulation.time,
+        }
 
     def draw_from(self, lane: int, generator: np.random.Generator) -> None:
         """Let a generator draw the noise of a lane's sensors from now on."""
@@ -279,7 +264,7 @@ class Episodes:
 
     def render(self, lane: int) -> NDArray[np.uint8] | None:
         """Draw the present state; (540, 960, 3) uint8, or None with a warning if the settings have no render mode."""
-        if self._films is None:
+        if not self.settings.render_mode:
             gymnasium.logger.warn(
                 'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
             )
@@ -288,12 +273,26 @@ class Episodes:
 
 
 def raise_first(failures: Mapping[int, SimulationError]) -> None:
-    """Raise the first of the failures by lane, with a note that names its lane and the others.
-
-    Raises:
-        SimulationError: unless there are none.
-    """
+    """Raise the first of the failures by lane, if there is one, with a note that names its lane and the others."""
     if failures:
         lane, *others = failures
         failures[lane].add_note(f"in lane {lane} of the batch{f', and others in {others}' if others else ''}")
         raise failures[lane]
+
+
+def checked_actions(given: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Actions, (motors,) of one array or (lanes, motors) of many, as a new array of floating-point numbers.
+
+    Raises:
+        ValueError, TypeError: if they have another shape, are no numbers, or are not finite.
+    """
+    try:
+        actions = np.array(given, dtype=np.float64)
+    except OverflowError as error:  # of a whole number of Python, which has no limit
+        raise ValueError("action is not finite in floating point; give numbers from -1 to 1") from error
+    if actions.shape != shape:
+        raise ValueError(f"the action has shape {actions.shape}, expected {shape}")
+    if not np.isfinite(actions).all():
+        where = "" if actions.ndim == 1 else f" of lane {np.argmin(np.isfinite(actions).all(axis=1))}"
+        raise ValueError(f"action{where} is not finite; give numbers from -1 to 1")
+    return actions

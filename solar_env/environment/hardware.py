@@ -4,12 +4,14 @@ To add an imperfection: a field of `Hardware`, and its use in `environment.task.
 """
 
 import math
-from collections.abc import Mapping
+import sys
 from dataclasses import dataclass
-from typing import Any, Self
 
-from solar_env.array.names import changed
-from solar_env.support.numbers import is_number, is_whole_number
+from solar_env.array.parameters.checks import Rule, check_rows, number
+from solar_env.support.numbers import is_whole_number
+
+_NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "must be a finite number, not negative")
+_POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
 
 
 @dataclass(frozen=True)
@@ -29,50 +31,29 @@ class Hardware:
             delay, and holds its torque from one sample to the next.
         rate_loop_lag: time constant of the low-pass filter of that loop's torque [s]; 0 for none. Without it the loop
             answers the journals' rattle in their bearings, and shakes flexible panels.
-
-    Raises:
-        ValueError: on construction, for a value out of range.
     """
 
-    angle_noise: float = 0.0
-    rate_noise: float = 0.0
-    encoder_resolution: float = 0.0
+    angle_noise: float = number(0.0, _NOT_NEGATIVE)
+    rate_noise: float = number(0.0, _NOT_NEGATIVE)
+    encoder_resolution: float = number(0.0, _NOT_NEGATIVE)
     sensor_delay: int = 0
-    motor_lag: float = 0.0
-    torque_rate_limit: float = math.inf
-    attitude_noise: float = 0.0
-    rate_loop_gain: float = 12.0
-    rate_loop_frequency: float = 100.0
-    rate_loop_lag: float = 0.1
+    motor_lag: float = number(0.0, _NOT_NEGATIVE)
+    torque_rate_limit: float = number(math.inf, Rule(math.ulp(0.0), math.inf, "must be a positive number"))
+    attitude_noise: float = number(0.0, _NOT_NEGATIVE)
+    rate_loop_gain: float = number(12.0, _POSITIVE)
+    rate_loop_frequency: float = number(100.0, _POSITIVE)
+    rate_loop_lag: float = number(0.1, _NOT_NEGATIVE)
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not is_number(value):
-                raise ValueError(f"{name} = {value!r} must be a number")
-        for name in ("angle_noise", "rate_noise", "attitude_noise", "encoder_resolution", "motor_lag", "rate_loop_lag"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} = {getattr(self, name)!r} must be finite and not negative")
+        check_rows(self)
         if not is_whole_number(self.sensor_delay, 0) or self.sensor_delay > 100:
             raise ValueError(f"sensor_delay = {self.sensor_delay!r} must be a whole number of periods from 0 to 100")
-        if not self.torque_rate_limit > 0.0:
-            raise ValueError(f"torque_rate_limit = {self.torque_rate_limit!r} must be positive")
-        for name in ("rate_loop_gain", "rate_loop_frequency"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} = {getattr(self, name)!r} must be positive and finite")
 
     @property
     def ideal_sensors(self) -> bool:
         """Whether observations are exact and shown at once."""
         noise = self.angle_noise, self.rate_noise, self.attitude_noise
         return not any((*noise, self.encoder_resolution, self.sensor_delay))
-
-    def with_changes(self, changes: Mapping[str, Any]) -> Self:
-        """A copy with some values changed.
-
-        Raises:
-            ValueError: if a name is unknown or a value is refused.
-        """
-        return changed("hardware", self, changes)
 
 
 def response(lag: float, period: float) -> float:

@@ -5,7 +5,7 @@ import itertools
 import gymnasium
 
 from solar_env.environment.scenarios import SCENARIOS
-from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS
+from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS
 
 
 def environment_id(scenario: str, version: str = CURRENT_VERSION) -> str:
@@ -18,7 +18,6 @@ ENVIRONMENTS = {environment_id(*pair): pair for pair in itertools.product(SCENAR
 
 # Ids of the present version; Gymnasium warns whoever makes one of the others.
 CURRENT = tuple(environment_id(scenario) for scenario in SCENARIOS)
-
 DEPLOY, DEPLOY_RANDOMISED = environment_id("nominal"), environment_id("randomised")
 
 

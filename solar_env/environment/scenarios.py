@@ -1,23 +1,20 @@
 """Named scenarios: the parameters drawn for each episode, and the quality of sensors and motor."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 from solar_env.array import ArrayParameters
 from solar_env.array.parameters.ranges import Bound, Ranges
 from solar_env.environment.hardware import Hardware
 
 
-@dataclass(frozen=True)
-class Scenario:
+class Scenario(NamedTuple):
     """Values that the keywords of an environment change.
 
     Attributes:
         title: in the ids of its environments, followed by the version of the task.
         parameters: of the array, before anything is drawn.
-        randomize: parameter -> (low, high), drawn anew for every episode.
+        randomize: parameter -> (low, high), drawn anew for every episode; bounds by joint from the root on.
         hardware: sensors and motor.
     """
 
@@ -25,22 +22,6 @@ class Scenario:
     parameters: ArrayParameters
     randomize: Ranges
     hardware: Hardware
-
-    def design(self, parameters: ArrayParameters | Mapping[str, Any] | None) -> ArrayParameters:
-        """The scenario's parameters with changes, or others in their place.
-
-        Raises:
-            ValueError: for unknown parameters or refused values.
-        """
-        return parameters if isinstance(parameters, ArrayParameters) else self.parameters.with_changes(parameters or {})
-
-    def ranges(self, joints: int) -> Ranges:
-        """Ranges for an array of so many joints: bounds by joint from the root on, as many as there are."""
-
-        def fitted(bound: Bound) -> Bound:
-            return bound[:joints] if isinstance(bound, tuple) else bound
-
-        return {name: (fitted(low), fitted(high)) for name, (low, high) in self.randomize.items()}
 
 
 def _around(value: float | tuple[float, ...], share: float) -> tuple[Bound, Bound]:

@@ -10,17 +10,15 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.methods import landing_integrator
-from solar_env.array.names import unknown_name
+from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
-from solar_env.environment.task.task import Task
-from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS
+from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS, Task
 from solar_env.mechanics.integrators.settings import Integrator
-from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
 
 RENDER_MODES = ("human", "rgb_array")
@@ -83,16 +81,11 @@ class EnvironmentSettings:
                 raise ValueError(unknown_name(f"the {name}", getattr(self, name), table))
         for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms"):
             getattr(self, name)
-        self._mechanism(self.array)  # refuses parameters that do not go with the panels
+        build(self.array, self.level)  # refuses parameters that do not go with the panels
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
-        """Settings from keywords, with what the scenario stands for in its place.
-
-        Raises:
-            TypeError: for an unknown keyword; the message names the closest ones.
-            ValueError: for an unknown name or a refused value; the message says which.
-        """
+        """Settings from keywords, with what the scenario stands for in its place; TypeError for an unknown one."""
         known = [item.name for item in fields(cls)]
         for name in keywords:
             if name not in known:
@@ -119,20 +112,28 @@ class EnvironmentSettings:
     @cached_property
     def array(self) -> ArrayParameters:
         """Parameters of the array, before anything is drawn."""
-        return SCENARIOS[self.scenario].design(self.parameters)
+        return self.design(self.parameters)
+
+    def design(self, parameters: ArrayParameters | Changes | None) -> ArrayParameters:
+        """The scenario's parameters with changes, or others in their place."""
+        usual = SCENARIOS[self.scenario].parameters
+        return parameters if isinstance(parameters, ArrayParameters) else usual.with_changes(parameters or {})
 
     @cached_property
     def ranges(self) -> Ranges:
         """Parameter -> (low, high), by joint where the parameter is."""
-        usual = SCENARIOS[self.scenario].ranges(len(self.array.joints))
-        return checked_ranges(self.array, usual if self.randomize is None else self.randomize)
+        if self.randomize is not None:
+            return checked_ranges(self.array, self.randomize)
+        joints, usual = len(self.array.joints), SCENARIOS[self.scenario].randomize
+        pairs = {name: [b[:joints] if isinstance(b, tuple) else b for b in pair] for name, pair in usual.items()}
+        return checked_ranges(self.array, {name: (low, high) for name, (low, high) in pairs.items()})
 
     @cached_property
     def drive(self) -> Hardware:
         """Sensors and motor."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
-        return SCENARIOS[self.scenario].hardware.with_changes(self.hardware or {})
+        return changed("hardware", SCENARIOS[self.scenario].hardware, self.hardware or {})
 
     @cached_property
     def task(self) -> Task:
@@ -177,12 +178,15 @@ class EnvironmentSettings:
         """Space of one action."""
         return gymnasium.spaces.Box(-1.0, 1.0, (len(self.task.driven_joints),), dtype=np.float32)
 
-    def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
-        """Check changes of the parameters of one episode, before anything is drawn.
+    def check_options(self, options: Changes | None, *known: str) -> Changes:
+        """The options of a reset; an unknown one is refused by a ValueError."""
+        for name in options or {}:
+            if name not in known:
+                raise ValueError(unknown_name("the reset option", name, known))
+        return options or {}
 
-        Raises:
-            ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
-        """
+    def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
+        """Refuse changes for one episode that no array can have or that change the structure, by a ValueError."""
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
         after = design.with_changes(changes)
@@ -195,16 +199,9 @@ class EnvironmentSettings:
                 )
 
     def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
-        """Parameters of one episode: those of a design, with some drawn from the ranges, then some changed.
-
-        Raises:
-            ValueError: for unknown parameters or refused values.
-        """
+        """Parameters of one episode: those of a design, some drawn, then some changed."""
         return design.with_changes({**drawn(self.ranges, generator), **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""
-        return Simulation(self._mechanism(parameters), self.integrator)
-
-    def _mechanism(self, parameters: ArrayParameters) -> Mechanism:
-        return build(parameters, self.level)
+        return Simulation(build(parameters, self.level), self.integrator)

@@ -11,15 +11,13 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from solar_env.environment.calls import Exclusive, checked_actions, checked_options
+from solar_env.array import ArrayParameters
 from solar_env.environment.env import Observation
-from solar_env.environment.episodes import Episodes, SavedEpisode, raise_first
-from solar_env.environment.lane import Lane
-from solar_env.environment.scenarios import SCENARIOS
+from solar_env.environment.episodes import Episodes, SavedEpisode, checked_actions
 from solar_env.environment.settings import EnvironmentSettings
+from solar_env.mechanics.running.simulation import Simulation
 from solar_env.support.numbers import is_whole_number, plain
 
-ON_FAILURE = ("truncate", "raise")
 Actions = NDArray[np.float32]
 Flags = NDArray[np.bool_]
 Results = tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]
@@ -35,16 +33,14 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
     It keeps to the conventions of `gymnasium.vector.SyncVectorEnv`: an integer seed s gives lane i the seed s + i,
     `info` holds arrays with masks, and in autoreset mode SAME_STEP `final_obs` and `final_info`. With DISABLED,
-    `reset(options={"reset_mask": mask})` begins new episodes in some lanes.
+    `reset(options={"reset_mask": mask})` begins new episodes in some lanes. The episode of a lane whose simulation
+    cannot go on is truncated: reward 0, the last observation once more, the error in `info["failure"]`.
 
     Args:
         num_envs: number of lanes.
         max_episode_steps: control periods after which an episode is truncated; None for none.
         autoreset_mode: a `gymnasium.vector.AutoresetMode`, or its value.
         num_threads: most threads; by default as many as there are processors for this process.
-        on_failure: what becomes of a lane whose simulation cannot go on: "truncate" ends its episode with the reward 0,
-            the last observation once more, and the error's message in `info["failure"]`; "raise" raises its
-            `SimulationError`. The other lanes go on in either case.
         keywords: those of `solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a
             sequence with an entry for every lane.
     """
@@ -58,28 +54,20 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int | None = None,
-        on_failure: str = "truncate",
         **keywords: Any,
     ) -> None:
-        """See the class.
-
-        Raises:
-            TypeError: for an unknown keyword.
-            ValueError: for an unknown name or a refused value; the message says which.
-        """
+        """See the class, and `SolarArrayEnv` for what is refused."""
         counts = {"num_envs": num_envs, "max_episode_steps": max_episode_steps, "num_threads": num_threads}
         for name, number in counts.items():
             if number is not None and not is_whole_number(plain(number), 1):
                 raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
-        if on_failure not in ON_FAILURE:
-            raise ValueError(f"on_failure = {on_failure!r} is unknown; choose from {', '.join(ON_FAILURE)}")
-        self.num_envs, self._on_failure = int(num_envs), on_failure
+        self.num_envs = int(num_envs)
         by_lane = _by_lane("parameters", keywords.get("parameters"), self.num_envs)
         settings = EnvironmentSettings.of({**keywords, "parameters": by_lane[0]})
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         if self.render_mode == "human":
             raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
-        self.parameters = [SCENARIOS[self.scenario].design(entry) for entry in by_lane]
+        self.parameters = [settings.design(entry) for entry in by_lane]
         self.model = str(settings.level)
         self.randomize, self.hardware = settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
@@ -90,31 +78,23 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.episodes = Episodes(settings, self.parameters, num_threads)
-        self._generators: list[np.random.Generator | None] = [None] * num_envs
-        self._seeds, self._longest = [-1] * num_envs, max_episode_steps
+        seeded = [seeding.np_random() for _ in range(num_envs)]
+        self._generators, self._seeds = [generator for generator, _ in seeded], [seed for _, seed in seeded]
+        self._longest = max_episode_steps
         self._all_lanes = np.arange(num_envs)
         self._elapsed = np.zeros(num_envs, dtype=np.int64)
         self._ended = np.zeros(num_envs, dtype=np.bool_)
-        self._exclusive = Exclusive()
         self.closed = False
 
     @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
         """The lanes' generators of random numbers."""
-        return tuple(self._generator(lane) for lane in range(self.num_envs))
+        return tuple(self._generators)
 
     @property
     def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
         """The lanes' seeds."""
-        self.np_random  # noqa: B018 - seeds those that have none yet
         return tuple(self._seeds)
-
-    def _generator(self, lane: int) -> np.random.Generator:
-        generator = self._generators[lane]
-        if generator is None:
-            generator, self._seeds[lane] = seeding.np_random()
-            self._generators[lane] = generator
-        return generator
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -127,24 +107,27 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 sequence of such mappings, by lane; {"reset_mask": (num_envs,) bool} resets some lanes only.
 
         Raises:
-            ValueError, TypeError: as `SolarArrayEnv.reset`, or for a wrong mask or number of seeds.
+            ValueError: as `SolarArrayEnv.reset`, or for a wrong mask or number of seeds.
             gymnasium.error.ResetNeeded: if a mask leaves out lanes that have never been reset.
         """
-        given = checked_options(options, "parameters", "reset_mask")
+        given = self.episodes.settings.check_options(options, "parameters", "reset_mask")
         mask = given.get("reset_mask")
-        if mask is not None and (not isinstance(mask, np.ndarray) or mask.dtype != np.bool_):
-            raise TypeError(f"reset_mask = {mask!r} must be an array of bool")
-        if mask is not None and (mask.shape != (self.num_envs,) or not mask.any()):
-            raise ValueError(f"reset_mask = {mask!r} must have shape ({self.num_envs},) and name at least one lane")
-        lanes = self._all_lanes if mask is None else np.flatnonzero(mask)
+        if mask is None:
+            mask = np.ones(self.num_envs, dtype=np.bool_)
+        if getattr(mask, "dtype", None) != np.bool_ or mask.shape != (self.num_envs,) or not mask.any():
+            raise ValueError(
+                f"reset_mask = {mask!r} must be an array of bool, of shape ({self.num_envs},), not all False"
+            )
+        lanes = np.flatnonzero(mask)
         if isinstance(seed, (int, np.integer)):
             seed = range(int(seed), int(seed) + self.num_envs)
         seeds = _by_lane("seed", seed, self.num_envs)
         by_lane = _by_lane("options['parameters']", given.get("parameters") or {}, self.num_envs)
         begun = lanes.tolist()
         chosen = [by_lane[lane] for lane in begun]
-        with self._exclusive:
-            self.episodes.check_changes(lanes, chosen)
+        with self.episodes.alone():
+            for lane, change in zip(begun, chosen, strict=True):
+                self.episodes.settings.check_changes(self.parameters[lane], change)
             seeded = {lane: seeding.np_random(index(seeds[lane])) for lane in begun if seeds[lane] is not None}
             for lane, (generator, used) in seeded.items():
                 self._generators[lane], self._seeds[lane] = generator, used
@@ -155,22 +138,19 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             return self.episodes.observations.copy(), infos
 
     def _fold(self, lanes: NDArray[np.int64], changes: Sequence[Mapping[str, Any]]) -> None:
-        self.episodes.reset(lanes, [self._generator(int(lane)) for lane in lanes], changes)
+        self.episodes.reset(lanes, [self._generators[lane] for lane in lanes], changes)
         self._ended[lanes] = False
         self._elapsed[lanes] = 0
 
     def step(self, actions: Actions) -> Results:
-        """Hold a motor torque in every lane for one control period.
+        """Hold the actions (num_envs, 1) for one control period.
 
-        Args:
-            actions: (num_envs, 1) motor torques in units of the torque limit; clipped to [-1, 1].
-
-        Raises, Warns: as `SolarArrayEnv.step`; ResetNeeded where an episode has ended with autoreset disabled alone,
-            SimulationError with `on_failure="raise"` alone, when the other lanes have advanced.
+        Raises, Warns: as `SolarArrayEnv.step`, but no SimulationError; ResetNeeded where an episode has ended with
+            autoreset disabled alone.
         """
         given = checked_actions(actions, (self.num_envs, len(self.task.driven_joints)))
-        with self._exclusive:
-            episodes, lanes = self.episodes, self._all_lanes
+        episodes, lanes = self.episodes, self._all_lanes
+        with episodes.alone():
             if self._ended.any():
                 folded = np.flatnonzero(self._ended)
                 if self.autoreset_mode is AutoresetMode.DISABLED:
@@ -187,8 +167,6 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 np.greater_equal(self._elapsed, self._longest, out=truncations)
             truncations[list(failures)] = True
             np.logical_or(terminations, truncations, out=self._ended)
-            if self._on_failure == "raise":
-                raise_first(failures)
             rewards, infos = episodes.rewards.copy(), self._infos()
             if self._ended.any():
                 last: dict[int, dict[str, Any]]
@@ -199,9 +177,8 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
     def _infos(self) -> dict[str, Any]:
         """Information of all lanes, with the masks of `gymnasium.vector`."""
-        told: dict[str, Any] = {"time_s": self.episodes.times, "reward_terms": {}}
-        for k, name in enumerate(self.reward.names):
-            told["reward_terms"][name] = self.episodes.terms[:, k].copy()
+        terms = dict(zip(self.reward.names, self.episodes.terms.T.copy(), strict=True))
+        told: dict[str, Any] = {"time_s": self.episodes.times, "reward_terms": terms}
         for values in (told["reward_terms"], told):
             values.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(values)})
         return told
@@ -222,13 +199,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         for lane in lanes.tolist():
             self._add_info(infos, episodes.info(lane), lane)
 
-    def restore(self, lane: int, saved: SavedEpisode) -> None:
-        """Go on with a saved episode in one lane; see `Lane.restore_episode`."""
-        self.episodes.restore(lane, saved)
-        self._ended[lane] = False
-        self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)
-
-    def lane(self, lane: int) -> Lane:
+    def lane(self, lane: int) -> "Lane":
         """One lane as a single environment."""
         return Lane(self, range(self.num_envs)[lane])
 
@@ -252,3 +223,47 @@ def _by_lane(name: str, given: Any, lanes: int) -> list[Any]:
     if len(entries) != lanes:
         raise ValueError(f"{name} has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
     return entries
+
+
+class Lane:
+    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector."""
+
+    def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
+        self._env, self._index = env, index
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            # Copies ask for such names before there is a vector.
+            raise AttributeError(f"a lane has no {name!r}")
+        if name in ("observation_space", "action_space"):
+            return getattr(self._env, f"single_{name}")
+        value = getattr(self._env, name)
+        return value[self._index] if name in ("parameters", "np_random", "np_random_seed") else value
+
+    @property
+    def simulation(self) -> Simulation:
+        """As that of a single environment."""
+        return self._env.episodes.batch.simulations[self._index]
+
+    @property
+    def episode_parameters(self) -> ArrayParameters:
+        """Parameters of the present episode."""
+        return self._env.episodes.parameters[self._index]
+
+    def save_episode(self) -> SavedEpisode:
+        """The present episode, to be gone on with by `restore_episode`, here or in a lane of an equal vector."""
+        if self._env.episodes.terminated[self._index]:
+            raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
+        return self._env.episodes.save(self._index)
+
+    def restore_episode(self, saved: SavedEpisode) -> NDArray[np.float32]:
+        """Go on with a saved episode, see `Episodes.restore`; returns what was observed last (entries,)."""
+        env, lane = self._env, self._index
+        env.episodes.restore(lane, saved)
+        env._ended[lane] = False
+        env._elapsed[lane] = round(env.episodes.times[lane] / env.task.control_period)
+        return env.episodes.observations[lane].copy()
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Draw the present state; (540, 960, 3) uint8."""
+        return self._env.episodes.render(self._index)

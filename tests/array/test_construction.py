@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from deployments import LEVELS, NATURAL_LEVELS
+from deployments import LEVELS
 
 from solar_env.array import ArrayParameters, build, main_body_corners
 from solar_env.array.deployment import panel_deflections, simulate
@@ -32,7 +32,7 @@ def joint_points(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("level", LEVELS)
-@pytest.mark.parametrize("panels", [1, 2, 3, 4])
+@pytest.mark.parametrize("panels", [1, 4])
 @pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (1e-9, 0.2), (0.0, 0.3)])
 def test_the_folded_array_lies_in_a_stack_along_the_side_of_the_body(
     panels: int, level: str, hinge: tuple[float, float]
@@ -48,7 +48,7 @@ def test_the_folded_array_lies_in_a_stack_along_the_side_of_the_body(
     assert not simulation.state.v.any()
 
 
-@pytest.mark.parametrize("panels", [1, 2, 3, 4])
+@pytest.mark.parametrize("panels", [1, 4])
 @pytest.mark.parametrize("level", LEVELS)
 def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels: int, level: str) -> None:
     p = ArrayParameters(panel_count=panels, body_fixed=True)
@@ -74,11 +74,6 @@ def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels
     assert [joint.lock_angle for joint in build(p, level).joints] == locks
 
 
-def test_springs_relax_at_the_lock_angles_by_default() -> None:
-    p = ArrayParameters(panel_count=4)
-    assert p.for_each_joint("spring_preload_angle") == tuple(p.joints[k].lock_angle for k in range(4))
-
-
 @pytest.mark.parametrize("panels", [1, 2, 3, 4])
 def test_cable_loops_join_neighbours_in_the_ratio_of_their_lock_angles(panels: int) -> None:
     cables = build(ArrayParameters(panel_count=panels)).cables
@@ -87,6 +82,8 @@ def test_cable_loops_join_neighbours_in_the_ratio_of_their_lock_angles(panels: i
     assert [c.torque_ratio for c in cables] == [c.wheel_ratio for c in cables]
     couples = build(ArrayParameters(panel_count=panels, cable_torque_ratio=1.0)).cables
     assert [c.torque_ratio for c in couples] == [1.0] * (panels - 1)
+    p = ArrayParameters(panel_count=panels)
+    assert p.for_each_joint("spring_preload_angle") == tuple(joint.lock_angle for joint in p.joints)
 
 
 def test_masses_and_centroids() -> None:
@@ -119,12 +116,6 @@ def test_flexible_panels_have_the_mass_of_rigid_ones_and_the_stiffness_of_their_
         assert panel.bending_stiffness == pytest.approx(280e6 * 1.2 * 0.03**3 / 12.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("level", NATURAL_LEVELS)
-def test_elements_divide_flexible_panels_only(level: str) -> None:
-    bodies = compile_mechanism(build(ArrayParameters(), level))[0].bodies
-    assert bodies["elements"].tolist() == [0] + 2 * [2 if level.startswith("flexible") else 0]
-
-
 @pytest.mark.parametrize("elements", [1, 2, 5])
 def test_deflections_are_those_of_the_panels_middles_from_their_chords(elements: int) -> None:
     level = f"flexible-ideal:{elements} elements"
@@ -148,11 +139,8 @@ def test_deflections_are_those_of_the_panels_middles_from_their_chords(elements:
         middle = centreline(model, run.coordinates[0], body, 2)[elements]
         assert middle == pytest.approx(0.75 * along[:, 0] + height * across[:, 0] + 5.0, abs=1e-13)
     assert panel_deflections(run) == pytest.approx(np.tile([0.01, -0.03], (len(run.time), 1)), abs=1e-13)
-
-
-def test_rigid_panels_do_not_deflect() -> None:
-    run = simulate(duration=0.05)
-    assert np.array_equal(panel_deflections(run), np.zeros((len(run.time), 2)))
+    rigid = simulate(duration=0.05)
+    assert np.array_equal(panel_deflections(rigid), np.zeros((len(rigid.time), 2)))
 
 
 @pytest.mark.parametrize("hinge", [(0.5, 0.0), (1e-9, 0.2), (0.0, 0.3)])

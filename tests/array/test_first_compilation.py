@@ -6,8 +6,7 @@ import pytest
 
 import solar_env  # noqa: F401 (registers the environments)
 from solar_env.__main__ import main
-from solar_env.array import compilation
-from solar_env.array.deployment import simulate
+from solar_env.array import methods as compilation
 from solar_env.environment.registration import DEPLOY
 
 FUNCTIONS = (compilation.announce_compilation, compilation.mark_compiled)
@@ -22,15 +21,6 @@ def nothing_compiled(monkeypatch, tmp_path):
     yield tmp_path
     for function in FUNCTIONS:
         function.cache_clear()
-
-
-def test_the_first_run_says_that_it_compiles_and_remembers_it(nothing_compiled, capsys):
-    for _ in range(2):
-        simulate(model="rigid-ideal", duration=0.01)
-        compilation.announce_compilation.cache_clear()
-    said = capsys.readouterr().err
-    assert said.count("solar_env compiles the kernels of runge-kutta: minutes") == 1
-    assert (nothing_compiled / "runge-kutta").exists()
 
 
 @pytest.mark.parametrize("lanes", [0, 2], ids=["single", "vector"])
@@ -60,9 +50,3 @@ def test_commands_say_that_kernels_are_compiled_where_they_are_not_there_yet(not
     assert told[0][0] == f"{loading} (compiles kernels first: minutes, this time alone)"
     assert told[1][0] == loading
     assert told[0][1:] == told[1][1:] == ["seconds simulated: 0 of 0.1, 0:00:00"]
-
-
-def test_of_several_methods_one_that_is_not_there_yet_is_enough(nothing_compiled):
-    compilation.mark_compiled("runge-kutta")
-    assert compilation.compilation_note(["runge-kutta"]) == ""
-    assert "minutes" in compilation.compilation_note(["runge-kutta", "rosenbrock"])

@@ -42,7 +42,7 @@ def test_a_word_is_read_and_its_level_written_as_the_shortest_one(word: str, lev
         ("flexible-ideal:2.5 modes", "model 'flexible-ideal:2.5 modes' is unknown; did you mean 'flexible-ideal'"),
         ("auto", "choose from rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance"),
         (3, "model 3 is unknown; choose from"),
-        ("rigid-ideal:8 modes", "model 'rigid-ideal:8 modes' has rigid panels, which take no count: name it 'rigid-id"),
+        ("rigid-ideal:8 modes", "model 'rigid-ideal' has rigid panels, which take no count: leave out '8 modes'"),
         ("flexible-ideal:0 elements", "elements = 0: must lie between 1 and 1000"),
         ("flexible-ideal:1001 elements", "elements = 1001: must lie between 1 and 1000"),
         ("flexible-ideal:201 modes", "modes = 201: must lie between 0 and 200"),

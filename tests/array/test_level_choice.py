@@ -26,35 +26,19 @@ LEVELS = (
 )
 
 
-@pytest.mark.parametrize(
-    ("tolerance", "level"),
-    [
-        (2.0, "rigid-ideal"),
-        (0.3, "rigid-clearance"),
-        (0.21, "flexible-clearance:2 elements"),  # sampling counts
-        (0.07, "flexible-clearance:2 elements"),
-        (0.06, "flexible-clearance"),
-        (0.03, "flexible-clearance"),
-    ],
-)
-def test_the_cheapest_level_within_the_tolerance_is_taken(tolerance, level):
-    assert cheapest(LEVELS, "wear", tolerance).level == level
-
-
-@pytest.mark.parametrize(
-    ("question", "tolerance", "words"),
-    [
-        ("wear", 0.02, ["'wear'", "0.02", "flexible-clearance", "0.03", "name a level"]),
-        ("wears", 0.1, ["wears", "latch-time", "controller-ranking"]),
-        ("impulse", 0.1, ["impulse", "solar-env ladder"]),
-        ("wear", 0.0, ["tolerance", "0.0"]),
-        ("wear", math.nan, ["tolerance", "nan"]),
-        ("wear", math.inf, ["tolerance", "inf"]),
-    ],
-)
-def test_what_cannot_be_answered_is_refused_by_name(question, tolerance, words):
-    with pytest.raises(ValueError, match=".*".join(words)):
-        cheapest(LEVELS, question, tolerance)
+def test_the_cheapest_level_within_the_tolerance_is_taken_and_else_the_question_refused_by_name():
+    beams, modes = "flexible-clearance:2 elements", "flexible-clearance"
+    chosen = {2.0: "rigid-ideal", 0.3: "rigid-clearance", 0.21: beams, 0.07: beams, 0.06: modes, 0.03: modes}
+    assert {tolerance: cheapest(LEVELS, "wear", tolerance).level for tolerance in chosen} == chosen
+    for question, tolerance, words in (
+        ("wear", 0.02, "'wear'.*0.02.*flexible-clearance.*0.03.*name a level"),
+        ("wears", 0.1, "wears.*latch-time.*controller-ranking"),
+        ("impulse", 0.1, "impulse.*solar-env ladder"),
+        ("wear", 0.0, "tolerance.*0.0"),
+        ("wear", math.nan, "tolerance.*nan"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            cheapest(LEVELS, question, tolerance)
 
 
 @pytest.mark.parametrize("question", QUESTIONS)
@@ -70,41 +54,27 @@ def test_steps_are_what_is_chosen_as_the_tolerance_grows(question):
             cheapest(answers, question, 0.999 * chosen[0].bound)
 
 
-@pytest.mark.parametrize("text", ["", "question,level\nwear,rigid-ideal\n", "# command: none\nquestion\nwear\n"])
-def test_another_file_is_no_table(tmp_path, text):
-    path = tmp_path / "ladder.csv"
-    path.write_text(text)
-    if text:
-        with pytest.raises(ValueError, match=r"ladder\.csv, line \d is not of a table of the ladder: it lacks"):
-            read_answers(path)
-    else:
-        assert read_answers(path) == ()
-    with pytest.raises(ValueError, match=r"absent\.csv does not exist.*measure"):
-        read_answers(tmp_path / "absent.csv")
-
-
 @pytest.mark.parametrize(
-    ("name", "text", "wanted"),
-    [
-        ("members", "few", "a whole number"),
-        ("members", "1.5", "a whole number"),
-        ("error", "", "a number"),
-        ("evaluations", "many", "a number"),
-        ("cost_ratio", "0", "a positive number"),
-        ("cost_ratio", "nan", "a positive number"),
-    ],
+    ("name", "text"),
+    [("members", "1.5"), ("error", ""), ("evaluations", "many"), ("cost_ratio", "0"), ("cost_ratio", "nan")],
 )
-def test_a_bad_cell_is_told_with_its_line_and_column(tmp_path, name, text, wanted):
+def test_another_file_is_no_table(tmp_path, name, text):
     path = tmp_path / "ladder.csv"
     cells = {"question": "wear", "level": "rigid-ideal", "error": 0.1, "half_width": 0.01}
     cells |= {"cost_ratio": 0.5, "evaluations": 10.0, "members": 8}
     lines = [",".join(map(str, row)) for row in (cells, cells.values(), {**cells, name: text}.values())]
-    path.write_text("\n".join(["# command: solar-env ladder", *lines]) + "\n")
-    with pytest.raises(ValueError, match=rf"ladder\.csv, line 4: {name} is '{text}', where {wanted} belongs; measure"):
-        read_answers(path)
-    path.write_bytes(b"\xff\xfe")
-    with pytest.raises(ValueError, match=r"ladder\.csv is not a table of the ladder .*; measure it anew"):
-        read_answers(path)
+    for content in (
+        "\n".join(["# command: solar-env ladder", *lines]).encode(),
+        b"question\nwear\n",
+        b"\xff\xfe",
+        None,
+    ):
+        if content is None:
+            path.unlink()
+        else:
+            path.write_bytes(content)
+        with pytest.raises(ValueError, match=r"ladder\.csv is not a table of the ladder .*; measure it: solar-env"):
+            read_answers(path)
 
 
 def test_the_table_of_the_package_answers_every_question_at_every_level_and_says_how_it_was_made():

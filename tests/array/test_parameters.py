@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solar_env.array import MODELS, PRESETS, ArrayParameters, build
+from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.array.deployment import simulate
 from solar_env.array.methods import default_integrator
 from solar_env.environment.env import SolarArrayEnv
@@ -38,97 +38,69 @@ def test_the_defaults_are_the_papers_table() -> None:
     assert (p.journal_radius, p.clearance) == (0.01, 2e-4)
 
 
-def test_every_parameter_is_documented() -> None:
-    for item in fields(ArrayParameters):
-        assert re.search(rf"\b{item.name}\b", ArrayParameters.__doc__ or ""), item.name
-
-
 @pytest.mark.parametrize("name", NUMBERS)
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "1", [], [[1.0]], True])
-def test_what_is_not_a_finite_number_is_refused_by_name(name: str, value: Any) -> None:
-    with pytest.raises(ValueError, match=f"^{name} = "):
-        ArrayParameters().with_changes({name: value})
+def test_what_is_not_a_finite_number_is_refused_by_name(name: str) -> None:
+    for value in (math.nan, math.inf, -math.inf, "1", [], [[1.0]], True):
+        with pytest.raises(ValueError, match=f"^{name} = "):
+            ArrayParameters().with_changes({name: value})
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "body_mass",
-        "body_inertia",
-        "body_size",
-        "panel_length",
-        "panel_width",
-        "panel_thickness",
-        "panel_density",
-        "panel_young",
-        "cable_wheel_radius",
-        "journal_radius",
-        "bearing_width",
-        "clearance",
-        "contact_stiffness",
-        "panel_count",
-        "wear_bins",
-        "restitution",
-        "minimum_impact_speed",
-        "journal_young",
-        "bearing_young",
-        "latch_stiffness",
-        "latch_ramp_depth",
-    ],
+POSITIVE = (
+    "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
+    "panel_young", "cable_wheel_radius", "journal_radius", "bearing_width", "clearance", "contact_stiffness",
+    "panel_count", "wear_bins", "restitution", "minimum_impact_speed", "journal_young", "bearing_young",
+    "latch_stiffness", "latch_ramp_depth",
+)  # fmt: skip
+NOT_NEGATIVE = (
+    "panel_damping", "cable_stiffness", "cable_preload_force", "cable_torque_ratio", "friction_coefficient",
+    "wear_coefficient", "spring_stiffness", "hinge_x", "friction_speed_zero", "latch_gap", "latch_damping",
+)  # fmt: skip
+
+
+def test_what_must_be_positive_or_must_not_be_negative_is_refused_otherwise_by_name_and_value() -> None:
+    for name in POSITIVE:
+        kind = int if isinstance(getattr(ArrayParameters(), name), int) else float
+        for value in (kind(0), kind(-1)):
+            refused({name: value}, f"{name} = {value!r} must")
+    for name in NOT_NEGATIVE:
+        refused({name: -0.1}, f"{name} = -0.1 must")
+        assert getattr(ArrayParameters().with_changes({name: 0.0}), name) == 0.0
+
+
+REFUSED: tuple[tuple[dict[str, Any], str], ...] = (
+    ({"panel_count": 101}, "panel_count = 101 must lie between 1 and 100"),
+    ({"wear_bins": 360.0}, "wear_bins = 360.0 must be a whole number"),
+    ({"clearance": 0.0}, "clearance = 0.0 must be positive; for no clearance choose an ideal model"),
+    ({"clearance": (1e-4, -1e-4)}, "clearance = (0.0001, -0.0001) must be positive"),
+    ({"clearance": 0.02}, "clearance = 0.02 must be below journal_radius"),
+    ({"restitution": 1.1}, "restitution = 1.1 must lie in (0, 1]"),
+    ({"contact_law": "dubowsky"}, "contact law 'dubowsky' is unknown"),
+    ({"contact_law": 3}, "contact_law = 3 must be of type str"),
+    ({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be one of material, centres, places"),
+    ({"body_fixed": 1}, "body_fixed = 1 must be of type bool"),
+    ({"body_fixed": True, "initial_spin": 0.1}, "initial_spin = 0.1 needs a body that is not fixed"),
+    ({"journal_poisson": -1.0}, "journal_poisson = -1.0 must lie in (-1, 0.5]"),
+    ({"bearing_poisson": 0.51}, "bearing_poisson = 0.51 must lie in (-1, 0.5]"),
+    ({"friction_speed_zero": 1e-2}, "friction_speed_zero = 0.01 must be below friction_speed_full = 0.001"),
+    ({"friction_speed_zero": (1e-4, 2e-3)}, "friction_speed_zero = (0.0001, 0.002) must be below"),
+    ({"body_mass": None}, "body_mass = None must be a finite number"),
+    ({"clearence": 1e-4}, "parameter 'clearence' is unknown; did you mean 'clearance'?"),
+    # What no number of a computer can hold.
+    ({"panel_length": 1e-21}, "panel_length = 1e-21 must be positive, at least 1e-20"),
+    ({"contact_stiffness": (1e-300, 1e10)}, "contact_stiffness = (1e-300, 10000000000.0) must be positive, at least"),
+    ({"hinge_y": -1e21}, "hinge_y = -1e+21 must be at most 1e+20, in magnitude"),
+    ({"initial_spin": 10**400}, "must be at most 1e+20, in magnitude"),
+    ({"clearance": 1e-19}, "clearance = 1e-19 is lost in rounding beside journal_radius = 0.01; for no clearance"),
+    ({"panel_thickness": 1e9}, "panel_thickness = 1000000000.0 is out of proportion to panel_length = 1.5"),
+    ({"body_mass": 1e-12}, "body_inertia = 250.0 makes, with body_mass = 1e-12, a radius of gyration of 1.58e+07 m"),
 )
-@pytest.mark.parametrize("value", [0, -1])
-def test_what_must_be_positive_is_refused_otherwise_by_name_and_value(name: str, value: Any) -> None:
-    whole = isinstance(getattr(ArrayParameters(), name), int)
-    number = value if whole else float(value)
-    with pytest.raises(ValueError, match=re.escape(f"{name} = {number!r} must")):
-        ArrayParameters().with_changes({name: number})
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "panel_damping",
-        "cable_stiffness",
-        "cable_preload_force",
-        "cable_torque_ratio",
-        "friction_coefficient",
-        "wear_coefficient",
-        "spring_stiffness",
-        "hinge_x",
-        "friction_speed_zero",
-        "latch_gap",
-        "latch_damping",
-    ],
-)
-def test_what_must_not_be_negative_is_refused_if_it_is_and_may_be_zero(name: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(f"{name} = -0.1 must not be negative")):
-        ArrayParameters().with_changes({name: -0.1})
-    assert getattr(ArrayParameters().with_changes({name: 0.0}), name) == 0.0
-
-
-def test_other_values_without_sense_are_refused() -> None:
-    refused({"panel_count": 101}, "panel_count = 101 must lie between 1 and 100")
-    refused({"panel_count": 2.5}, "panel_count = 2.5 must be a whole number")
-    refused({"wear_bins": 360.0}, "wear_bins = 360.0 must be a whole number")
-    refused({"clearance": 0.0}, "clearance = 0.0 must be positive; for no clearance choose an ideal model")
-    refused({"clearance": (1e-4, -1e-4)}, "clearance = (0.0001, -0.0001) must be positive")
-    refused({"clearance": 0.02}, "clearance = 0.02 must be below journal_radius")
-    refused({"restitution": 1.1}, "restitution = 1.1 must lie in (0, 1]")
-    refused({"contact_law": "dubowsky"}, "contact law 'dubowsky' is unknown")
-    refused({"contact_law": 3}, "contact_law = 3 must be of type str")
-    refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be one of material, centres, places")
-    refused({"body_fixed": 1}, "body_fixed = 1 must be of type bool")
-    refused({"body_fixed": True, "initial_spin": 0.1}, "initial_spin = 0.1 needs a body that is not fixed")
-    refused({"latch_exponent": 0.5}, "latch_exponent = 0.5 must be at least 1")
-    for name in ("journal_poisson", "bearing_poisson"):
-        for value in (-1.0, 0.51):
-            refused({name: value}, f"{name} = {value} must lie in (-1, 0.5]")
-    refused({"wear_bins": 100_001}, "wear_bins = 100001 must lie between 1 and 100000")
-    refused({"friction_speed_zero": 1e-2}, "friction_speed_zero = 0.01 must be below friction_speed_full = 0.001")
-    refused({"body_mass": None}, "body_mass = None must be a finite number")
-
-
-EXTREMES = (1e-300, 1e-160, 1e-20, 1e20, 1e160, 1e300)
+def test_other_values_without_sense_are_refused_by_name_and_rule() -> None:
+    for changes, message in REFUSED:
+        refused(changes, message)
+    assert ArrayParameters(hinge_y=1e-33, initial_rate=-1e-300).hinge_y == 1e-33
+    ArrayParameters(friction_speed_zero=(1e-4, 2e-3), friction_speed_full=(1e-3, 3e-3))
 
 
 LEVELS = [*MODELS, "flexible-ideal:6 elements", "flexible-clearance:6 elements"]
@@ -144,8 +116,8 @@ def said_of(parameters: ArrayParameters, level: str) -> str:
 
 
 @pytest.mark.filterwarnings("ignore:the contact law .* turns a restitution of")
-@pytest.mark.filterwarnings("ignore::solar_env.array.parameters.plausibility.UnitWarning")
-@pytest.mark.parametrize("value", EXTREMES)
+@pytest.mark.filterwarnings("ignore::solar_env.array.parameters.checks.UnitWarning")
+@pytest.mark.parametrize("value", [1e-300, 1e-20, 1e20, 1e300])
 @pytest.mark.parametrize("name", sorted(ArrayParameters.CONTINUOUS))
 def test_an_extreme_value_is_refused_by_name_or_makes_an_array(name: str, value: float) -> None:
     try:
@@ -160,26 +132,6 @@ def test_an_extreme_value_is_refused_by_name_or_makes_an_array(name: str, value:
         return
     assert name in told
     assert repr(value) in told
-
-
-def test_what_no_number_of_a_computer_can_hold_is_refused_by_name_and_value() -> None:
-    refused({"panel_length": 1e-21}, "panel_length = 1e-21 must be at least 1e-20")
-    refused({"contact_stiffness": (1e-300, 1e10)}, "contact_stiffness = (1e-300, 10000000000.0) must be at least 1e-20")
-    refused({"hinge_y": -1e21}, "hinge_y = -1e+21 must be at most 1e+20, in magnitude")
-    refused({"initial_spin": 10**400}, "must be at most 1e+20, in magnitude")
-    refused(
-        {"clearance": 1e-19}, "clearance = 1e-19 is lost in rounding beside journal_radius = 0.01; for no clearance"
-    )
-    refused({"panel_thickness": 1e9}, "panel_thickness = 1000000000.0 is out of proportion to panel_length = 1.5")
-    refused(
-        {"body_mass": 1e-12}, "body_inertia = 250.0 makes, with body_mass = 1e-12, a radius of gyration of 1.58e+07 m"
-    )
-    assert ArrayParameters(hinge_y=1e-33, initial_rate=-1e-300).hinge_y == 1e-33
-
-
-def test_an_unknown_name_is_refused_with_the_one_that_was_meant() -> None:
-    refused({"clearence": 1e-4}, "parameter 'clearence' is unknown; did you mean 'clearance'?")
-    refused({"xyzzy": 1.0}, "parameter 'xyzzy' is unknown; choose from panel_count, body_mass")
 
 
 @pytest.mark.parametrize("name", [n for n in NUMBERS if n not in PER_JOINT])
@@ -209,6 +161,8 @@ def test_hinges_and_loops_that_differ_become_those_of_the_mechanism() -> None:
     )  # fmt: skip
     mechanism = build(p)
     assert [cable.stiffness for cable in mechanism.cables] == [20.0, 30.0]
+    assert [cable.wheel_radius for cable in mechanism.cables] == [None] * 2
+    assert build(p.with_changes({"cable_bearing_forces": True})).cables[0].wheel_radius == 0.05
     assert [joint.stop for joint in mechanism.joints] == [
         Stop(0.0, 1e3, 1.0, 1e-3, 10.0), Stop(0.01, 2e3, 1.5, 2e-3, 5.0), Stop(0.02, 2e3, 1.5, 2e-3, 5.0),
     ]  # fmt: skip
@@ -219,16 +173,6 @@ def test_hinges_and_loops_that_differ_become_those_of_the_mechanism() -> None:
     assert [bearing.friction_coefficient for bearing in bearings] == [0.1, 0.2, 0.2]
     assert [bearing.friction_speeds for bearing in bearings] == [(0.0, 1e-3), (1e-4, 2e-3), (1e-4, 2e-3)]
     assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
-
-
-def test_friction_speeds_are_compared_joint_by_joint() -> None:
-    refused({"friction_speed_zero": (1e-4, 2e-3)}, "friction_speed_zero = (0.0001, 0.002) must be below")
-    ArrayParameters(friction_speed_zero=(1e-4, 2e-3), friction_speed_full=(1e-3, 3e-3))
-
-
-def test_a_cable_that_pulls_on_the_bearings_has_its_wheel() -> None:
-    assert build(ArrayParameters()).cables[0].wheel_radius is None
-    assert build(ArrayParameters(cable_bearing_forces=True)).cables[0].wheel_radius == 0.05
 
 
 def test_modal_panels_refuse_a_cable_that_pulls_on_the_bearings_before_anything_runs() -> None:
@@ -244,10 +188,6 @@ def test_modal_panels_refuse_a_cable_that_pulls_on_the_bearings_before_anything_
     SolarArrayEnv(model="flexible-clearance:6 elements", parameters=pulling).close()
     with pytest.raises(ValueError, match="ModalRadau takes no loops that pull on bearings; choose another integrator"):
         simulate(pulling, model="rigid-ideal", integrator="modal-radau", duration=0.1)
-
-
-def test_the_default_entries_by_joint_also_serve_a_single_panel() -> None:
-    assert ArrayParameters(panel_count=1).by_joint("spring_stiffness", 0) == 0.1
 
 
 def test_changes_leave_the_original_alone_and_may_be_lists() -> None:
@@ -288,12 +228,7 @@ def test_the_papers_preset_differs_in_these_four_parameters_alone() -> None:
     assert ArrayParameters.preset("paper") == ArrayParameters(
         hinge_y=-0.5, cable_torque_ratio=1.0, panel_damping=0.0, wear_coefficient=4e-15
     )
-
-
-def test_presets() -> None:
     assert ArrayParameters.preset("default") == ArrayParameters()
-    for name in PRESETS:
-        assert ArrayParameters.preset(name).with_changes({}) == ArrayParameters.preset(name)
     with pytest.raises(ValueError, match="preset 'papper' is unknown; did you mean 'paper'"):
         ArrayParameters.preset("papper")
 

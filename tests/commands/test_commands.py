@@ -311,7 +311,7 @@ def test_quiet_leaves_out_the_progress(tmp_path, capsys):
 
 
 def test_simulate_reads_a_file_of_parameters_and_writes_a_table(tmp_path, capsys):
-    (tmp_path / "my.toml").write_text("clearance = 1e-4\nbody_mass = 2000\n[tolerance]\nclearance = 1e-5\n")
+    (tmp_path / "my.toml").write_text("clearance = 1e-4\nbody_mass = 2000\n[randomize]\nclearance = [9e-5, 1.1e-4]\n")
     files = ["--json", "-", "--out", str(tmp_path / "run.csv")]
     assert main(["simulate", str(tmp_path / "my.toml"), "--duration", "0.2", "--set", "body_mass=1900", *files]) == 0
     told = json.loads(capsys.readouterr().out)

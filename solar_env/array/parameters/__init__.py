@@ -1,7 +1,7 @@
 """Parameters of the array: their values, presets, ranges and files.
 
-`parameters` holds the values with units and sources, `plan` the joints that follow from them, `checks` refuses what
-makes no sense, `ranges` draws what is not known exactly, `file` reads and writes all of it as TOML.
+`parameters` holds the values with units and sources, `checks` says what they may be and refuses the rest, `ranges`
+draws what is not known exactly, `file` reads and writes all of it as TOML.
 
 Imports `mechanics` and `array.names`. A new parameter is a field of `ArrayParameters`.
 """

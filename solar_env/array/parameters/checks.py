@@ -1,32 +1,94 @@
-"""Checks of array parameters: bad ones are refused by name, value and rule."""
+"""What values a parameter of the array takes: its row, and checks that follow from the row or from several parameters.
+
+Bad values are refused by name, value and rule; of those that no spacecraft has, most likely a slip of units, a warning
+tells before anything is simulated.
+"""
 
 import math
-from dataclasses import fields
-from typing import Any
+import warnings
+from dataclasses import Field, field, fields
+from functools import partial
+from typing import Any, NamedTuple
 
-from solar_env.array.parameters.plausibility import warn_of_implausible
-from solar_env.mechanics.joints.laws import SLIDING_READINGS
-from solar_env.mechanics.running.diagnosis import restitution_text, warn
+from solar_env.mechanics.running.diagnosis import SimulationWarning, restitution_text, warn
 from solar_env.support.numbers import is_number
 
 ArrayParameters = Any  # of `parameters`, which imports this module
 
-_POSITIVE = (
-    "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
-    "panel_young", "cable_wheel_radius", "latch_stiffness", "latch_ramp_depth", "journal_radius", "journal_young",
-    "bearing_young", "minimum_impact_speed", "bearing_width",
-)  # fmt: skip
-_NOT_NEGATIVE = (
-    "panel_damping", "spring_stiffness", "cable_stiffness", "cable_preload_force", "latch_gap", "latch_damping",
-    "friction_coefficient", "friction_speed_zero", "wear_coefficient",
-)  # fmt: skip
+
+class UnitWarning(SimulationWarning):
+    """A parameter is so large or small that it was probably given in another unit."""
+
+
+class Rule(NamedTuple):
+    """Least and greatest value of a parameter, and the rule in words."""
+
+    least: float
+    greatest: float
+    text: str
+
+
+class Usual(NamedTuple):
+    """Magnitudes that a parameter has on spacecraft, 0 included; its unit, and those that are easily given instead."""
+
+    low: float
+    high: float
+    unit: str
+    slip: str
+
+
+class Row(NamedTuple):
+    """What is known of a parameter beside its default; `among` are the texts that it may be.
+
+    A quantity by joint may differ from joint to joint; one drawn by joint does where one range is drawn from.
+    """
+
+    rule: Rule
+    usual: Usual | None = None
+    by_joint: bool = False
+    drawn_by_joint: bool = False
+    optional: bool = False
+    among: tuple[str, ...] = ()
+
+
 # Bodies and joints are made of products of several parameters, which are to stay within the range of the numbers of a
-# computer. Where 0 is a value, less is as good as that.
-_LEAST, _GREATEST = 1e-20, 1e20
+# computer. Where 0 is a value, less than 1e-20 is as good as that.
+ANY = Rule(-1e20, 1e20, "must be at most 1e+20, in magnitude")
+POSITIVE = Rule(1e-20, 1e20, "must be positive, at least 1e-20")
+NOT_NEGATIVE = Rule(0.0, 1e20, "must not be negative")
+AT_LEAST_ONE = Rule(1.0, 1e20, "must be at least 1")
+OPENING_TO_X = Rule(0.0, 1e20, "must not be negative: the panels open towards +x")
+TURN = Rule(-2.0 * math.pi, 2.0 * math.pi, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
+PLAY = Rule(0.0, 2.0 * math.pi, "must lie between 0 and 2 pi: it is in radians, not in degrees")
+GAP = Rule(math.ulp(0.0), 1e20, "must be positive; for no clearance choose an ideal model")
+SHARE = Rule(math.ulp(0.0), 1.0, "must lie in (0, 1]")
+POISSON = Rule(math.nextafter(-1.0, 0.0), 0.5, "must lie in (-1, 0.5]")
+LENGTH, PLACE = Usual(0.005, 50.0, "m", "mm"), Usual(0.0, 50.0, "m", "mm")
+MODULUS = Usual(1e5, 5e12, "Pa", "MPa or GPa")
+SPEED = Usual(1e-9, 1.0, "m/s", "mm/s")
+ANGULAR_RATE = Usual(0.0, 10.0, "rad/s", "degrees per second")
 _LEAST_PROPORTION = 1e-12
-_TURN = 2.0 * math.pi
-# Parameters for which None is a value.
-OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
+
+
+def number(default: Any, rule: Rule = ANY, usual: Usual | None = None, **marks: Any) -> Any:
+    """The field of a parameter, with the rest of its `Row`."""
+    return field(default=default, metadata={"row": Row(rule, usual, **marks)})
+
+
+per_joint = partial(number, by_joint=True)
+
+
+def row_of(item: Field[Any]) -> Row:
+    """The row of a parameter."""
+    return item.metadata.get("row", Row(ANY))
+
+
+def check_rows(values: Any) -> None:
+    """Refuse the first number of a dataclass that does not keep to the rule of its row, by a ValueError."""
+    for item in fields(values):
+        value, rule = getattr(values, item.name), row_of(item).rule
+        if "row" in item.metadata and not (is_number(value) and rule.least <= value <= rule.greatest):
+            raise ValueError(f"{item.name} = {value!r} {rule.text}")
 
 
 def check_parameters(p: ArrayParameters) -> None:
@@ -39,34 +101,47 @@ def check_parameters(p: ArrayParameters) -> None:
         UnitWarning: of values that were probably given in another unit.
     """
     for item in fields(p):
-        _check_type(p, item.name, item.default)
-    for name in _POSITIVE:
-        _require(p, name, min(p.entries(name)) > 0.0, "must be positive")
-        _require(p, name, min(p.entries(name)) >= _LEAST, f"must be at least {_LEAST:g}")
-    for name in _NOT_NEGATIVE:
-        _require(p, name, min(p.entries(name)) >= 0.0, "must not be negative")
-    _require(p, "hinge_x", p.hinge_x >= 0.0, "must not be negative: the panels open towards +x")
-    _require(p, "latch_exponent", min(p.entries("latch_exponent")) >= 1.0, "must be at least 1")
-    for name in ("journal_poisson", "bearing_poisson"):
-        _require(p, name, -1.0 < getattr(p, name) <= 0.5, "must lie in (-1, 0.5]")
-    _require(p, "panel_count", 1 <= p.panel_count <= 100, "must lie between 1 and 100")
-    _require(p, "wear_bins", 1 <= p.wear_bins <= 100_000, "must lie between 1 and 100000")
-    clearances = p.entries("clearance")
-    _require(p, "clearance", min(clearances) > 0.0, "must be positive; for no clearance choose an ideal model")
-    _require(p, "clearance", max(clearances) < p.journal_radius, f"must be below journal_radius = {p.journal_radius!r}")
-    told_apart = p.journal_radius + min(clearances) > p.journal_radius
-    rule = f"is lost in rounding beside journal_radius = {p.journal_radius!r}; for no clearance choose an ideal model"
-    _require(p, "clearance", told_apart, rule)
+        _check_value(p, item.name, item.default, row_of(item))
+    radius, clearances = p.journal_radius, p.entries("clearance")
+    _require(p, "clearance", max(clearances) < radius, f"must be below journal_radius = {radius!r}")
+    rule = f"is lost in rounding beside journal_radius = {radius!r}; for no clearance choose an ideal model"
+    _require(p, "clearance", radius + min(clearances) > radius, rule)
     _require(p, "initial_spin", p.initial_spin == 0.0 or not p.body_fixed, "needs a body that is not fixed")
-    if p.cable_torque_ratio is not None:
-        _require(p, "cable_torque_ratio", p.cable_torque_ratio >= 0.0, "must not be negative")
     _check_bodies(p)
-    for name in ("spring_preload_angle", "latch_gap"):
-        largest = max(abs(entry) for entry in p.entries(name))
-        _require(p, name, largest <= _TURN, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
-    warn_of_implausible(p.entries)
-    _check_friction(p)
-    _check_contact(p)
+    below = all(
+        z < f for z, f in zip(*map(p.for_each_joint, ("friction_speed_zero", "friction_speed_full")), strict=True)
+    )
+    _require(p, "friction_speed_zero", below, f"must be below friction_speed_full = {p.friction_speed_full!r}")
+    told = set()
+    for joint in range(len(p.joints)):
+        given, restitution = p.contact(joint).exit_speed_ratio(), p.by_joint("restitution", joint)
+        # A law that conserves energy does so whatever it is asked for.
+        if given < 1.0 and restitution not in told:
+            told.add(restitution)
+            warn(restitution_text(p.contact_law, restitution, given))
+    for name, usual in ((item.name, row_of(item).usual) for item in fields(p)):
+        if usual:
+            _warn_of_implausible(name, p.entries(name), usual)
+
+
+def _check_value(p: ArrayParameters, name: str, default: Any, row: Row) -> None:
+    value = getattr(p, name)
+    if isinstance(default, (str, bool)):
+        _require(p, name, isinstance(value, type(default)), f"must be of type {type(default).__name__}")
+        _require(p, name, not row.among or value in row.among, f"must be one of {', '.join(row.among)}")
+        return
+    if value is None and row.optional:
+        return
+    entries = p.entries(name)
+    _require(p, name, row.by_joint or not isinstance(value, tuple), "must be a single number")
+    _require(p, name, len(entries) > 0, "must not be empty")
+    for entry in entries:
+        _require(p, name, is_number(entry) and -math.inf < entry < math.inf, "must be a finite number")
+        for rule in (ANY, row.rule):
+            _require(p, name, rule.least <= entry <= rule.greatest, rule.text)
+    _require(p, name, isinstance(value, int) or not isinstance(default, int), "must be a whole number")
+    few = value == default or len(entries) <= len(p.joints)
+    _require(p, name, few, f"has more entries than joints ({len(p.joints)})")
 
 
 def _check_bodies(p: ArrayParameters) -> None:
@@ -90,49 +165,21 @@ def _in_proportion(gyration: float, along: float, across: float) -> bool:
     return gyration**2 > _LEAST_PROPORTION * first * second
 
 
-def _check_friction(p: ArrayParameters) -> None:
-    rule = f"must be below friction_speed_full = {p.friction_speed_full!r}"
-    for joint in range(len(p.joints)):
-        below = p.by_joint("friction_speed_zero", joint) < p.by_joint("friction_speed_full", joint)
-        _require(p, "friction_speed_zero", below, rule)
-    readings = f"must be one of {', '.join(SLIDING_READINGS)}"
-    _require(p, "friction_sliding", p.friction_sliding in SLIDING_READINGS, readings)
-
-
-def _check_contact(p: ArrayParameters) -> None:
-    for restitution in p.entries("restitution"):
-        _require(p, "restitution", 0.0 < restitution <= 1.0, "must lie in (0, 1]")
-    for stiffness in p.entries("contact_stiffness"):
-        _require(p, "contact_stiffness", stiffness is None or stiffness > 0.0, "must be positive")
-        _require(p, "contact_stiffness", stiffness is None or stiffness >= _LEAST, f"must be at least {_LEAST:g}")
-    told = set()
-    for joint in range(len(p.joints)):
-        given, restitution = p.contact(joint).exit_speed_ratio(), p.by_joint("restitution", joint)
-        # A law that conserves energy does so whatever it is asked for.
-        if given < 1.0 and restitution not in told:
-            told.add(restitution)
-            warn(restitution_text(p.contact_law, restitution, given))
-
-
-def _check_type(p: ArrayParameters, name: str, default: Any) -> None:
-    value = getattr(p, name)
-    if isinstance(default, (str, bool)):
-        _require(p, name, isinstance(value, type(default)), f"must be of type {type(default).__name__}")
-        return
-    if value is None and name in OPTIONAL:
-        return
-    entries = p.entries(name)
-    _require(p, name, name in p.BY_JOINT or not isinstance(value, tuple), "must be a single number")
-    _require(p, name, len(entries) > 0, "must not be empty")
-    for entry in entries:
-        _require(p, name, is_number(entry) and -math.inf < entry < math.inf, "must be a finite number")
-        _require(p, name, abs(entry) <= _GREATEST, f"must be at most {_GREATEST:g}, in magnitude")
-    if isinstance(default, int):
-        _require(p, name, isinstance(value, int), "must be a whole number")
-    if isinstance(value, tuple) and value != default:
-        _require(p, name, len(value) <= len(p.joints), f"has more entries than joints ({len(p.joints)})")
-
-
 def _require(p: ArrayParameters, name: str, condition: bool, rule: str) -> None:
     if not condition:
         raise ValueError(f"{name} = {getattr(p, name)!r} {rule}")
+
+
+# Names and rounded values that were told in this process: the same array is described over and over in an ensemble.
+_told: set[tuple[str, str]] = set()
+
+
+def _warn_of_implausible(name: str, entries: tuple[Any, ...], usual: Usual) -> None:
+    """Warn, once a process, of the first entry beyond what spacecraft have."""
+    low, high, unit, slip = usual
+    odd = [value for value in entries if value and not low <= abs(value) <= high]
+    if odd and (name, f"{odd[0]:.2g}") not in _told:
+        _told.add((name, f"{odd[0]:.2g}"))
+        bound = f"large for a spacecraft (over {high:.3g}" if abs(odd[0]) > high else f"small (under {low:.3g}"
+        text = f"{name} = {odd[0]:g} {unit} is implausibly {bound} {unit}); give it in {unit}, not in {slip}"
+        warnings.warn(text, UnitWarning, stacklevel=2)

@@ -15,11 +15,36 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any, ClassVar, Self
 
 from solar_env.array.names import changed, unknown_name
-from solar_env.array.parameters.checks import check_parameters
-from solar_env.array.parameters.plan import JointRow, chain
-from solar_env.mechanics.joints.laws import PowerLaw, Surfaces, contact_law
+from solar_env.array.parameters import checks as c
+from solar_env.array.parameters.checks import number, per_joint
+from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw, Surfaces, contact_law
 from solar_env.mechanics.mechanism.description import Bearing, Stop
 from solar_env.support.numbers import plain
+
+PerJoint = float | tuple[float, ...]
+MAIN_BODY = 0  # index among the bodies of the mechanism
+
+
+@dataclass(frozen=True)
+class JointRow:
+    """A joint, by its index from the root on, and the panel that it carries.
+
+    Attributes:
+        inboard, panel: indices, among the bodies of the mechanism, of what bears it and of the panel.
+        sign: 1 if the panel opens counter-clockwise, -1 if clockwise.
+        lock_angle: at which it latches, from the folded position [rad].
+    """
+
+    index: int
+    inboard: int
+    panel: int
+    sign: int
+    lock_angle: float
+
+    @property
+    def name(self) -> str:
+        """The joint as tables name it."""
+        return f"joint {self.index + 1}"
 
 
 @dataclass(frozen=True)
@@ -91,72 +116,62 @@ class ArrayParameters:
         initial_rate: rate of the joint angles at t = 0, by joint, positive opens [rad/s].
     """
 
-    # Quantities that may differ from joint to joint.
-    BY_JOINT: ClassVar[tuple[str, ...]] = (
-        "spring_stiffness", "spring_preload_angle", "cable_stiffness", "latch_gap", "latch_stiffness", "latch_exponent",
-        "latch_ramp_depth", "latch_damping", "clearance", "restitution", "contact_stiffness", "minimum_impact_speed",
-        "friction_coefficient", "friction_speed_zero", "friction_speed_full", "initial_rate",
-    )  # fmt: skip
-    # Of these, what also differs from joint to joint where one range is drawn from.
-    DRAWN_BY_JOINT: ClassVar[tuple[str, ...]] = (
-        "spring_stiffness", "spring_preload_angle", "clearance", "initial_rate",
-    )  # fmt: skip
+    # Derived from the rows: what is a real number, may differ from joint to joint, and does where one range is drawn.
+    CONTINUOUS: ClassVar[frozenset[str]]
+    BY_JOINT: ClassVar[frozenset[str]]
+    DRAWN_BY_JOINT: ClassVar[frozenset[str]]
     # They decide how many numbers describe the mechanism and its state.
     STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "body_fixed", "wear_bins")
-    # Everything that is a real number.
-    CONTINUOUS: ClassVar[frozenset[str]]
-    # Parameters that must stay below another one.
-    BELOW_ANOTHER: ClassVar[tuple[str, ...]] = ("clearance", "friction_speed_zero")
 
-    panel_count: int = 2
-    body_mass: float = 1500.0
-    body_inertia: float = 250.0
+    panel_count: int = number(2, c.Rule(1, 100, "must lie between 1 and 100"))
+    body_mass: float = number(1500.0, c.POSITIVE, c.Usual(0.05, 1e6, "kg", "g or t"))
+    body_inertia: float = number(250.0, c.POSITIVE, c.Usual(1e-5, 1e9, "kg m2", "kg mm2"))
     body_fixed: bool = False
-    hinge_x: float = 0.5
-    hinge_y: float = 0.0
-    body_size: float = 1.0
-    panel_length: float = 1.5
-    panel_width: float = 1.0
-    panel_thickness: float = 0.02
-    panel_density: float = 200.0
-    panel_young: float = 280e6
-    panel_damping: float = 1e-5
-    spring_stiffness: float | tuple[float, ...] = (0.1, 0.075)
-    spring_preload_angle: float | tuple[float, ...] = (math.pi / 2, math.pi)
-    cable_stiffness: float | tuple[float, ...] = 20.0
-    cable_torque_ratio: float | None = None
-    cable_preload_force: float = 50.0
-    cable_wheel_radius: float = 0.05
+    hinge_x: float = number(0.5, c.OPENING_TO_X, c.PLACE)
+    hinge_y: float = number(0.0, usual=c.PLACE)
+    body_size: float = number(1.0, c.POSITIVE, c.LENGTH)
+    panel_length: float = number(1.5, c.POSITIVE, c.LENGTH)
+    panel_width: float = number(1.0, c.POSITIVE, c.LENGTH)
+    panel_thickness: float = number(0.02, c.POSITIVE, c.Usual(1e-5, 0.5, "m", "mm"))
+    panel_density: float = number(200.0, c.POSITIVE, c.Usual(1.0, 3e4, "kg/m3", "g/cm3"))
+    panel_young: float = number(280e6, c.POSITIVE, c.MODULUS)
+    panel_damping: float = number(1e-5, c.NOT_NEGATIVE)
+    spring_stiffness: PerJoint = per_joint((0.1, 0.075), c.NOT_NEGATIVE, drawn_by_joint=True)
+    spring_preload_angle: PerJoint = per_joint((math.pi / 2, math.pi), c.TURN, drawn_by_joint=True)
+    cable_stiffness: PerJoint = per_joint(20.0, c.NOT_NEGATIVE)
+    cable_torque_ratio: float | None = number(None, c.NOT_NEGATIVE, optional=True)
+    cable_preload_force: float = number(50.0, c.NOT_NEGATIVE)
+    cable_wheel_radius: float = number(0.05, c.POSITIVE, c.Usual(1e-4, 5.0, "m", "mm"))
     cable_bearing_forces: bool = False
-    latch_gap: float | tuple[float, ...] = 0.01
-    latch_stiffness: float | tuple[float, ...] = 1e3
-    latch_exponent: float | tuple[float, ...] = 1.0
-    latch_ramp_depth: float | tuple[float, ...] = 1e-3
-    latch_damping: float | tuple[float, ...] = 10.0
-    clearance: float | tuple[float, ...] = 2e-4
-    journal_radius: float = 0.01
+    latch_gap: PerJoint = per_joint(0.01, c.PLAY)
+    latch_stiffness: PerJoint = per_joint(1e3, c.POSITIVE)
+    latch_exponent: PerJoint = per_joint(1.0, c.AT_LEAST_ONE)
+    latch_ramp_depth: PerJoint = per_joint(1e-3, c.POSITIVE, c.Usual(0.0, 2.0 * math.pi, "rad", "degrees"))
+    latch_damping: PerJoint = per_joint(10.0, c.NOT_NEGATIVE)
+    clearance: PerJoint = per_joint(2e-4, c.GAP, c.Usual(1e-9, 1e-2, "m", "mm"), drawn_by_joint=True)
+    journal_radius: float = number(0.01, c.POSITIVE, c.Usual(1e-4, 0.5, "m", "mm"))
     contact_law: str = "lankarani-nikravesh"
-    restitution: float | tuple[float, ...] = 0.9
-    contact_stiffness: float | tuple[float, ...] | None = 7.39e10
-    journal_young: float = 207e9
-    journal_poisson: float = 0.3
-    bearing_young: float = 105e9
-    bearing_poisson: float = 0.34
-    minimum_impact_speed: float | tuple[float, ...] = 1e-4
-    friction_coefficient: float | tuple[float, ...] = 0.15
-    friction_speed_zero: float | tuple[float, ...] = 1e-4
-    friction_speed_full: float | tuple[float, ...] = 1e-3
-    friction_sliding: str = "material"
-    wear_coefficient: float = 1e-14
-    bearing_width: float = 1.0
-    wear_bins: int = 360
-    initial_spin: float = 0.0
-    initial_rate: float | tuple[float, ...] = 0.0
+    restitution: PerJoint = per_joint(0.9, c.SHARE)
+    contact_stiffness: PerJoint | None = per_joint(7.39e10, c.POSITIVE, optional=True)
+    journal_young: float = number(207e9, c.POSITIVE, c.MODULUS)
+    journal_poisson: float = number(0.3, c.POISSON)
+    bearing_young: float = number(105e9, c.POSITIVE, c.MODULUS)
+    bearing_poisson: float = number(0.34, c.POISSON)
+    minimum_impact_speed: PerJoint = per_joint(1e-4, c.POSITIVE, c.SPEED)
+    friction_coefficient: PerJoint = per_joint(0.15, c.NOT_NEGATIVE)
+    friction_speed_zero: PerJoint = per_joint(1e-4, c.NOT_NEGATIVE, c.SPEED)
+    friction_speed_full: PerJoint = per_joint(1e-3, usual=c.SPEED)
+    friction_sliding: str = number("material", among=tuple(SLIDING_READINGS))
+    wear_coefficient: float = number(1e-14, c.NOT_NEGATIVE, c.Usual(0.0, 1e-6, "m2/N", "mm3/(N m)"))
+    bearing_width: float = number(1.0, c.POSITIVE, c.Usual(1e-4, 50.0, "m", "mm"))
+    wear_bins: int = number(360, c.Rule(1, 100_000, "must lie between 1 and 100000"))
+    initial_spin: float = number(0.0, usual=c.ANGULAR_RATE)
+    initial_rate: PerJoint = per_joint(0.0, usual=c.ANGULAR_RATE, drawn_by_joint=True)
 
     def __post_init__(self) -> None:
         for item in fields(self):
             object.__setattr__(self, item.name, plain(getattr(self, item.name)))
-        check_parameters(self)
+        c.check_parameters(self)
 
     def entries(self, name: str) -> tuple[Any, ...]:
         """The values given for a quantity: one, or one for each of the first joints."""
@@ -203,13 +218,16 @@ class ArrayParameters:
 
     @property
     def joints(self) -> tuple[JointRow, ...]:
-        """The joints of the array, from the root on."""
-        return chain(self.panel_count)
+        """The joints from the root on: a chain, folded like an accordion; the root opens by a quarter turn."""
+        return tuple(
+            JointRow(k, MAIN_BODY + k, MAIN_BODY + k + 1, 1 if k % 2 == 0 else -1, math.pi if k else math.pi / 2)
+            for k in range(self.panel_count)
+        )
 
     def stop(self, joint: int) -> Stop:
         """The stop of a joint's latch and stow stop, counted from 0."""
-        names = ("latch_gap", "latch_stiffness", "latch_exponent", "latch_ramp_depth", "latch_damping")
-        return Stop(*(self.by_joint(name, joint) for name in names))
+        names = ("gap", "stiffness", "exponent", "ramp_depth", "damping")
+        return Stop(*(self.by_joint(f"latch_{name}", joint) for name in names))
 
     def surfaces(self, joint: int) -> Surfaces:
         """Journal and bearing of a joint, counted from 0, as its contact law takes them."""
@@ -247,10 +265,12 @@ class ArrayParameters:
         return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 
 
+_ROWS = {item.name: (item.default, c.row_of(item)) for item in fields(ArrayParameters)}
 ArrayParameters.CONTINUOUS = frozenset(
-    item.name for item in fields(ArrayParameters) if not isinstance(item.default, (str, int))
+    name for name, (default, _) in _ROWS.items() if not isinstance(default, (str, int))
 )
-
+ArrayParameters.BY_JOINT = frozenset(name for name, (_, row) in _ROWS.items() if row.by_joint)
+ArrayParameters.DRAWN_BY_JOINT = frozenset(name for name, (_, row) in _ROWS.items() if row.drawn_by_joint)
 
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},

@@ -1,6 +1,6 @@
 """Parameters of which only ranges are known: their check, and draws from them.
 
-Environments call them `randomize`; in a file of parameters they are its tables `randomize` and `tolerance`.
+Environments and files of parameters call them `randomize`.
 """
 
 import math
@@ -21,6 +21,7 @@ RELEASE_RATE = 5e-4
 # Bounds of a uniform draw: numbers, or one by joint.
 Bound = float | tuple[float, ...]
 Ranges = Mapping[str, tuple[Bound, Bound]]
+_BELOW_ANOTHER = ("clearance", "friction_speed_zero")  # parameters that must stay below another one
 
 
 def drawn(ranges: Ranges, generator: np.random.Generator) -> dict[str, Any]:
@@ -38,43 +39,41 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     if not isinstance(ranges, Mapping):
         raise ValueError(f"randomize = {ranges!r} must be a mapping of parameter names to pairs (low, high)")
     checked: dict[str, tuple[Bound, Bound]] = {}
-    for name, bounds in ranges.items():
+    for name, pair in ranges.items():
+        told = f"randomize[{name!r}]"
         if name not in vars(parameters):
             raise ValueError(unknown_name("parameter", name, vars(parameters)))
         if name not in ArrayParameters.CONTINUOUS:
-            raise ValueError(f"randomize[{name!r}]: {name} is not a real number and cannot be drawn")
-        pair: Any = bounds
-        if not hasattr(pair, "__len__") or len(pair) != 2:
-            raise ValueError(f"randomize[{name!r}] = {bounds!r} must be a pair (low, high)")
-        several = any(hasattr(bound, "__len__") for bound in pair)
+            raise ValueError(f"{told}: {name} is not a real number and cannot be drawn")
+        bounds: Any = pair
+        if not hasattr(bounds, "__len__") or len(bounds) != 2:
+            raise ValueError(f"{told} = {bounds!r} must be a pair (low, high)")
+        several = any(hasattr(bound, "__len__") for bound in bounds)
         by_joint = name in ArrayParameters.DRAWN_BY_JOINT or (several and name in ArrayParameters.BY_JOINT)
-        low, high = (_checked_bound(name, bound, len(parameters.joints) if by_joint else None) for bound in pair)
+        joints = len(parameters.joints) if by_joint else None
+        low, high = (_spread(f"{told}: the bound {bound!r}", bound, joints) for bound in bounds)
         if not np.all(np.less_equal(low, high)):
-            raise ValueError(f"randomize[{name!r}] = {bounds!r} must satisfy low <= high")
+            raise ValueError(f"{told} = {bounds!r} must satisfy low <= high")
         for end in (low, high):
             parameters.with_changes({name: end})
         checked[name] = (low, high)
     # Draws of several parameters may meet at any corner; these are the ones at which two of them can contradict.
     lows, highs = ({name: pair[end] for name, pair in checked.items()} for end in (0, 1))
-    corners = [lows, highs] + [
-        {**lows, small: highs[small]} for small in ArrayParameters.BELOW_ANOTHER if small in highs
-    ]
-    for corner in corners:
+    for corner in (lows, highs, *({**lows, small: highs[small]} for small in _BELOW_ANOTHER if small in highs)):
         parameters.with_changes(corner)
     return checked
 
 
-def _checked_bound(name: str, bound: Any, joints: int | None) -> Bound:
-    """A bound as a number, or with an entry for each of `joints`: the last one given holds for all further ones."""
-    bound = plain(bound)
-    entries = bound if isinstance(bound, tuple) else (bound,)
-    for entry in entries:
-        if not (is_number(entry) and math.isfinite(entry)):
-            raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must be a finite number")
+def _spread(told: str, given: Any, joints: int | None) -> Bound:
+    """A number, or one with an entry for each of `joints`: the last one given holds for all further ones."""
+    value = plain(given)
+    entries = value if isinstance(value, tuple) else (value,)
+    if not all(is_number(entry) and math.isfinite(entry) for entry in entries):
+        raise ValueError(f"{told} must be a finite number")
     if joints is None:
-        if len(entries) != 1 or entries is bound:
-            raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must be a single number")
-        return float(bound)
+        if entries is value:
+            raise ValueError(f"{told} must be a single number")
+        return float(value)
     if not 1 <= len(entries) <= joints:
-        raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must have 1 to {joints} entries, one a joint")
+        raise ValueError(f"{told} must have 1 to {joints} entries, one a joint")
     return tuple(float(entries[min(j, len(entries) - 1)]) for j in range(joints))

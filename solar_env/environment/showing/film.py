@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, main_body_corners
-from solar_env.array.parameters.plan import MAIN_BODY
+from solar_env.array.parameters.parameters import MAIN_BODY
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
@@ -42,8 +42,7 @@ class Film:
 
     def _scene(self, simulation: Simulation, parameters: ArrayParameters) -> Scene:
         """The scene of a simulation, with the force peaks of the episode."""
-        model, state = simulation.model, simulation.state
-        loads = simulation.joint_loads()
+        model, state, loads = simulation.model, simulation.state, simulation.joint_loads()
         bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
         axes = [centreline(model, state.q, body) for body in bodies]
         eccentricity = loads[:, [ECCENTRICITY_X, ECCENTRICITY_Y]]

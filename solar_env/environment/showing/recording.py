@@ -13,14 +13,9 @@ _CONTACTS = 100_000  # of an episode, at most
 
 
 class RecordTrajectory(gymnasium.Wrapper):
-    """Keep the present episode as a `Trajectory`; the episode stays the same to the bit.
+    """Keep the present episode of an environment, with samples every `output_step` [s], as a `Trajectory`.
 
-    Args:
-        env: `SolarArrayEnv`, also wrapped.
-        output_step: distance of the samples [s].
-
-    Raises:
-        ValueError: if the step is not positive and finite.
+    The episode stays the same to the bit.
     """
 
     def __init__(self, env: gymnasium.Env, output_step: float = 0.005) -> None:
@@ -42,11 +37,7 @@ class RecordTrajectory(gymnasium.Wrapper):
 
     @property
     def trajectory(self) -> Trajectory:
-        """The episode so far.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first step.
-        """
+        """The episode so far."""
         env: Any = self.unwrapped
         if self._recorder is None or self._recorder.filled[0] == 0:
             raise gymnasium.error.ResetNeeded("there is nothing recorded yet: call reset() and step()")

@@ -31,14 +31,9 @@ def open_display() -> Any:
 
 
 class Window:
-    """A window that shows frames at their pace. It opens with the first one; a copy of it begins closed.
+    """A window that shows frames at their rate [Hz]. It opens with the first one; a copy of it begins closed.
 
-    Args:
-        rate: frames in a second [Hz].
-
-    Raises:
-        gymnasium.error.DependencyNotInstalled: on construction, without pygame.
-        OSError: on construction, without a display.
+    Without pygame, or without a display, it refuses on construction.
     """
 
     def __init__(self, rate: float) -> None:

@@ -1,8 +1,8 @@
 """The control task: what an agent sees, what it is charged, when an episode ends.
 
-`task` has limits, times and motors, `versions` those of each version with its prices, `control` the motors' torques and
-the end of an episode; `observations` and `reward` are the tables of what can be observed and charged; `sensors` is what
-hardware makes of observations; `periods` begins and ends a control period.
+`task` has limits, times and motors, and its versions with their prices; `observations`, `features` and `reward` are the
+tables of what can be observed and charged; `sensors` is what hardware makes of observations; `control` says when an
+array has latched or missed its deadline, `periods` begins and ends a control period.
 
 To add
 
@@ -10,5 +10,5 @@ To add
   documentation of the environment take it from there. A sensor of a new kind is a field of `hardware.Hardware`.
 * a term of the reward: its code, a branch of `reward.reading` and a row of `reward.REWARD_TERMS`; a version charges it
   with a weight in its prices. `tests/environment/task/test_reward_terms.py` wants its figure of an imagined deployment.
-* a version: a row of `versions.VERSIONS`; a price of another form also a code there and a branch of `reward.cost`.
+* a version: a row of `task.VERSIONS`; a price of another form also a code there and a branch of `reward.cost`.
 """

@@ -26,13 +26,10 @@ GREATEST_AGE = 100
 
 
 class Observable(NamedTuple):
-    """A quantity that can be observed.
+    """A quantity that can be observed, by the name that an observation lists, with its meaning for the documentation.
 
     Attributes:
-        name: that an observation lists.
-        meaning: for the documentation.
-        unit: as observed.
-        low, high: bounds in that unit, to which it is clipped.
+        low, high: bounds in the unit, to which it is clipped.
         code: of `reading`.
         by_joint: whether there is one entry a joint.
         noise: name of the standard deviation in `Hardware`; None where the reading is exact.
@@ -93,13 +90,7 @@ OBSERVATIONS: dict[str, Names] = {
 
 
 class Entry(NamedTuple):
-    """One entry of an observation.
-
-    Attributes:
-        observable: what is observed, or the feature of it.
-        joint: index of the joint; 0 where there is one entry for the array.
-        age: control periods since it was first shown.
-    """
+    """One entry of an observation: its joint, 0 where there is one entry for the array, and its age [periods]."""
 
     observable: Observable | Feature
     joint: int
@@ -113,13 +104,10 @@ class Entry(NamedTuple):
 
 
 def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, ...]:
-    """Entries of an observation, in order.
+    """Entries of an observation, in order: of one of `OBSERVATIONS`, or of a list of names.
 
-    Args:
-        joints: number of joints.
-        observation: one of `OBSERVATIONS`, or a list of names: of `OBSERVABLES`, of `FEATURES`, and of `OBSERVATIONS`
-            for all that these list; "theta_2_ago" is the theta of two control periods ago, and the names in a tuple
-            take turns joint by joint.
+    A list has names of `OBSERVABLES`, of `FEATURES`, and of `OBSERVATIONS` for all that these list; "theta_2_ago" is
+    the theta of two control periods ago, and the names in a tuple take turns joint by joint.
 
     Raises:
         ValueError: for an unknown name, one that is listed twice, or none at all.

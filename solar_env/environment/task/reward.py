@@ -1,20 +1,21 @@
 """The table of physical figures that an episode can be charged for, with their prices."""
 
 import math
+import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from solar_env.array.names import changed, unknown_name
+from solar_env.array.parameters.checks import Rule, check_rows, number
 from solar_env.environment.task.control import missed_deadline
-from solar_env.environment.task.versions import BOUNDED, PRESENT, Version
+from solar_env.environment.task.task import BOUNDED, PRESENT, Version
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
-from solar_env.support.numbers import is_number
 
 # Codes of `reading`.
 PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLATCH_SLIDING_WORK = range(5)
@@ -26,6 +27,10 @@ LATEST, GREATEST, CHANGES = range(3)
 FIGURE, READING = range(2)
 
 
+_POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "of a term of the reward must be positive and finite")
+_NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "of a term of the reward must be finite and not negative")
+
+
 @dataclass(frozen=True)
 class Price:
     """The price of a figure, which costs `weight * min(figure / scale, bound)`.
@@ -34,31 +39,20 @@ class Price:
         scale: amount of the figure that costs 1 at a weight of 1, in the unit of the figure.
         weight: 0 leaves the term out.
         bound: most that it costs in one episode at a weight of 1.
-
-    Raises:
-        ValueError: on construction, for a value out of range.
     """
 
-    scale: float
-    weight: float = 1.0
-    bound: float = 12.0
+    scale: float = number(MISSING, _POSITIVE)
+    weight: float = number(1.0, _NOT_NEGATIVE)
+    bound: float = number(12.0, _POSITIVE)
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            number = is_number(value) and 0.0 <= value < math.inf
-            if not number or (value == 0.0 and name != "weight"):
-                least = "finite and not negative" if name == "weight" else "positive and finite"
-                raise ValueError(f"{name} = {value!r} of a term of the reward must be {least}")
+        check_rows(self)
 
 
 class RewardTerm(NamedTuple):
-    """A term of the reward: minus the growth, in each step, of what a figure costs.
+    """A term of the reward: minus the growth, in each step, of what a figure costs in a phase of the episode.
 
     Attributes:
-        name: of the term.
-        figure: that it charges, for the documentation.
-        phase: in which it is charged.
-        unit: of the figure.
         code: of `reading`.
         growth: LATEST, GREATEST or CHANGES.
         scale: see `Price`; the weight is 0 where neither the version nor the keyword `reward` has one.
@@ -94,59 +88,47 @@ price_type = np.dtype((np.record, np.dtype(_PRICE, align=True)))
 
 
 class Reward:
-    """The terms of an environment's reward, with their prices.
+    """The terms of an environment's reward: the prices of a version with some changed.
+
+    Args:
+        changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`.
+        version: of the task.
 
     Attributes:
         prices: by name, of all terms.
         names: of the terms that are charged, whose weight is not zero, in the order of `REWARD_TERMS`.
         rows: (names,) codes, growths and prices of these terms, of `price_type`, for the kernels.
+
+    Raises:
+        ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
+            terms can together.
     """
 
     def __init__(self, changes: Mapping[str, Any] | None = None, version: Version = PRESENT) -> None:
-        """The prices of a version with some changed.
-
-        Args:
-            changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`.
-            version: of the task.
-
-        Raises:
-            ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
-                terms can together.
-        """
         self.prices = {term.name: Price(term.scale, 0.0) for term in REWARD_TERMS}
         if not isinstance(changes or {}, Mapping):
             raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices")
         for name, change in (*version.prices.items(), *(changes or {}).items()):
             if name not in self.prices:
                 raise ValueError(unknown_name("the term of the reward", name, self.prices))
-            self.prices[name] = _changed(name, self.prices[name], change)
+            given = vars(change) if isinstance(change, Price) else change
+            try:
+                given = given if isinstance(given, Mapping) else {"weight": given}
+                self.prices[name] = changed("the entry", self.prices[name], given)
+            except ValueError as error:
+                raise ValueError(f"reward[{name!r}]: {error}") from error
         charged = [term for term in REWARD_TERMS if self.prices[term.name].weight > 0.0]
         self.names = tuple(term.name for term in charged)
         rows = [(term.code, term.growth, version.form, *vars(self.prices[term.name]).values()) for term in charged]
         self.rows = np.array(rows, dtype=price_type)
         missed = self.prices["missed_deadline"]
         cost = missed.weight * min(1.0 / missed.scale, missed.bound)
-        others = self.largest_cost
+        others = sum(price.weight * price.bound for name, price in self.prices.items() if name != "missed_deadline")
         if cost <= others:
             raise ValueError(
                 f"missed_deadline costs {cost!r}, which must exceed the {others!r} that all other terms can cost "
                 "together, or not deploying would pay: raise its weight, or lower weights or bounds of the others"
             )
-
-    @property
-    def largest_cost(self) -> float:
-        """The most that one episode can cost that meets the deadline."""
-        return sum(price.weight * price.bound for name, price in self.prices.items() if name != "missed_deadline")
-
-
-def _changed(name: str, price: Price, change: Any) -> Price:
-    """The price of a term with what a keyword changes of it."""
-    if isinstance(change, Price):
-        return change
-    try:
-        return changed("the entry", price, change if isinstance(change, Mapping) else {"weight": change})
-    except ValueError as error:
-        raise ValueError(f"reward[{name!r}]: {error}") from error
 
 
 @kernel(single_caller=True)
@@ -196,12 +178,7 @@ def cost(price, figure):
 def charge(model, state, task, prices, account, terms):
     """Write to `terms` (terms,) minus what a period has cost, bring the account up to date, and return the sum.
 
-    Args:
-        model, state: of the array.
-        task: TaskNumbers.
-        prices: (terms,) of `price_type`.
-        account: (terms, 2) figures charged so far, and latest readings, zero when an episode begins.
-        terms: (terms,) of the reward.
+    The account (terms, 2) is of figures charged so far, and latest readings, zero when an episode begins.
     """
     total = 0.0
     for k in range(prices.size):

@@ -2,18 +2,18 @@
 
 from collections.abc import Sequence
 from copy import deepcopy
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.task.features import MEASURED, Feature, Shown, shown
+from solar_env.environment.task.features import MEASURED, Feature, words
 from solar_env.environment.task.observations import LOCK_ANGLE, Entry, channels, measured_for
 
 
 class Memory(NamedTuple):
-    """The memory of the sensors of one lane: see `Sensors`; the generator is a copy."""
+    """The memory of the sensors of one lane; the generator is a copy."""
 
     exact: NDArray[np.float32]
     observed: NDArray[np.float32]
@@ -24,13 +24,6 @@ class Memory(NamedTuple):
 
 class Sensors:
     """Turns exact observations, lane by lane, into observed ones.
-
-    Args:
-        lanes: how many.
-        lock_angles: (joints,) [rad], the units in which angles are observed.
-        entries: of an observation.
-        hardware: how imperfect the sensors are.
-        deadline: of the task [s].
 
     Attributes:
         channels: (measured,) every quantity of a joint that the entries show, now or later.
@@ -67,22 +60,17 @@ class Sensors:
         self._pipeline = np.zeros((lanes, hardware.sensor_delay + 1, self._late.size), dtype=np.float32)
         self._past = np.zeros((lanes, self._age.max() + 1, len(measured)), dtype=np.float32)
         self._arrays = (self.exact, self.observed, self._pipeline, self._past)
-        self._generators: list[np.random.Generator | None] = [None] * lanes
+        self._generators: list[Any] = [None] * lanes  # of NumPy, but for ideal sensors
         self._rate_noise = hardware.rate_noise
 
     def draw_rate_errors(self, lanes: NDArray[np.int64], errors: NDArray[np.float64]) -> None:
         """Draw the errors (all lanes, motors) with which the drives' loops in some lanes (k,) measure rates [rad/s]."""
         if self._rate_noise > 0.0:
             for lane in lanes:
-                errors[lane] = self._rate_noise * self._generator(lane).standard_normal(errors.shape[1])
+                errors[lane] = self._rate_noise * self._generators[lane].standard_normal(errors.shape[1])
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
-        """Observe the first state of new episodes in some lanes (k,), as if it had lasted.
-
-        Args:
-            lanes: which.
-            generators: (k,) of the noise, in this and the following measurements.
-        """
+        """Observe the first state of new episodes in some lanes (k,), as if it had lasted; generators (k,) of noise."""
         if self._transparent:
             return
         for lane, generator in zip(lanes, generators, strict=True):
@@ -107,17 +95,15 @@ class Sensors:
         """Let the controller see what was measured, now and before."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
-        readings = {age: self._readings(past[:, age]) for age in {entry.age for _, entry, _ in self._features}}
+        readings = {}
+        for age in {entry.age for _, entry, _ in self._features}:
+            moment = past[:, age].astype(np.float64)
+            named = {name: moment[:, columns] for name, columns in self._sources.items()}
+            readings[age] = words(named, self._lock_angles, self._deadline)
         for k, entry, feature in self._features:
             values = feature.of(readings[entry.age])[:, entry.joint]
             observed[:, k] = np.clip(values, feature.low, feature.high)
         self.observed[lanes] = observed
-
-    def _readings(self, measured: NDArray[np.float32]) -> Shown:
-        """What features are made of, of what was measured (k, measured) at one moment."""
-        moment = measured.astype(np.float64)
-        named = {name: moment[:, columns] for name, columns in self._sources.items()}
-        return shown(named, self._lock_angles, self._deadline)
 
     def memory(self, lane: int) -> Memory:
         """A copy of the memory of a lane, with the values that it shows now."""
@@ -125,11 +111,7 @@ class Sensors:
         return Memory(exact, observed, pipeline, past, deepcopy(self._generators[lane]))
 
     def check(self, memory: Memory) -> None:
-        """Check that a memory is one of sensors like these.
-
-        Raises:
-            ValueError: otherwise.
-        """
+        """Refuse a memory that is not one of sensors like these, by a ValueError."""
         names = ("exact entries", "observed entries", "delayed measurements", "past measurements")
         for name, mine, theirs in zip(names, self._arrays, memory[:4], strict=True):
             if mine.shape[1:] != theirs.shape:
@@ -144,11 +126,6 @@ class Sensors:
             mine[lane] = theirs
         self._generators[lane] = deepcopy(memory.generator)
 
-    def _generator(self, lane: int) -> np.random.Generator:
-        generator = self._generators[lane]
-        assert generator is not None
-        return generator
-
     def draw_from(self, lane: int, generator: np.random.Generator) -> None:
         """Let a generator draw the noise of a lane from now on; ideal sensors have none."""
         if self._generators[lane] is not None:
@@ -159,6 +136,6 @@ class Sensors:
         measured = self.exact[lanes]
         if self._noise.any():
             for row, lane in enumerate(lanes):
-                measured[row, self._noisy] += self._noise * self._generator(lane).standard_normal(self._noisy.size)
+                measured[row, self._noisy] += self._noise * self._generators[lane].standard_normal(self._noisy.size)
         measured[:, self._in_steps] = np.rint(measured[:, self._in_steps] / self._step) * self._step
         return np.clip(measured, self._low, self._high)

@@ -1,17 +1,21 @@
-"""The control task: limits, times and motors, as users give them and as kernels take them."""
+"""The control task: limits, times and motors, as users give them and as kernels take them; its versions."""
 
 import math
-from dataclasses import dataclass
+import sys
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.names import unknown_name
+from solar_env.array.parameters.checks import Rule, check_rows, number
 from solar_env.environment.hardware import Hardware, response
-from solar_env.support.numbers import is_number, is_whole_number
+from solar_env.support.numbers import is_whole_number
 
 ACTIONS = ("torque", "rate")
+_POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
 # An action a of "rate" asks for a rate of SLOWEST sinh(STEEPNESS a): evenly spaced in its logarithm, and signed. The
 # fastest, 0.27 rad/s, is twice what a deployment in time takes; rates of a soft landing are a thousandth of it.
 SLOWEST, STEEPNESS = 5e-4, 7.0  # [rad/s], -
@@ -46,34 +50,25 @@ class Task:
         action: "torque", in units of the torque limit, or "rate": the setpoint 5e-4 sinh(7 a) rad/s, from -0.27 to
             0.27, of the rate loop of the hinge drive, whose torque is `Hardware.rate_loop_gain` times the error of the
             rate, at most the torque limit, anew `Hardware.rate_loop_frequency` times in a second, and filtered.
-
-    Raises:
-        ValueError: on construction, for a value out of range.
     """
 
-    torque_limit: float
-    control_period: float
-    deadline: float
-    postlock_window: float
+    torque_limit: float = number(MISSING, _POSITIVE)
+    control_period: float = number(MISSING, _POSITIVE)
+    deadline: float = number(MISSING, _POSITIVE)
+    postlock_window: float = number(MISSING, _POSITIVE)
     driven_joint: int = 0
     action: str = "torque"
 
     def __post_init__(self) -> None:
         if self.action not in ACTIONS:
             raise ValueError(unknown_name("the action", self.action, ACTIONS))
-        for name in ("torque_limit", "control_period", "deadline", "postlock_window"):
-            value = getattr(self, name)
-            if not (is_number(value) and 0.0 < value < math.inf):
-                raise ValueError(f"{name} = {value!r} must be a positive finite number")
+        check_rows(self)
         for name in ("postlock_window", "deadline"):
-            if getattr(self, name) < self.control_period:
-                raise ValueError(
-                    f"{name} = {getattr(self, name)!r} s is below control_period = {self.control_period!r} s"
-                )
+            value, period = getattr(self, name), self.control_period
+            if value < period:
+                raise ValueError(f"{name} = {value!r} s is below control_period = {period!r} s")
         if not is_whole_number(self.driven_joint, 0):
-            raise ValueError(
-                f"driven_joint = {self.driven_joint!r} must be the index of a joint, a whole number from 0"
-            )
+            raise ValueError(f"driven_joint = {self.driven_joint!r} must be the index of a joint, a whole number")
 
     @property
     def driven_joints(self) -> tuple[int, ...]:
@@ -81,14 +76,8 @@ class Task:
         return (self.driven_joint,)
 
     def samples(self, hardware: Hardware) -> int:
-        """Samples of the drive in a control period: 1 where actions are torques.
-
-        Raises:
-            ValueError: if the samples of the rate loop do not fill a control period.
-        """
-        if self.action == "torque":
-            return 1
-        samples = self.control_period * hardware.rate_loop_frequency
+        """Samples of the drive in a control period, which they must fill: 1 where actions are torques."""
+        samples = self.control_period * hardware.rate_loop_frequency if self.action == "rate" else 1.0
         if round(samples) < 1 or not math.isclose(samples, round(samples), rel_tol=1e-9):
             raise ValueError(
                 f"rate_loop_frequency = {hardware.rate_loop_frequency!r} Hz makes {samples:g} samples of a control "
@@ -109,3 +98,28 @@ class Task:
         motors = np.array([(joint, *drive) for joint in self.driven_joints], dtype=motor_type)
         deadline, window = float(self.deadline), float(self.postlock_window)
         return TaskNumbers(float(self.control_period), deadline, window, period, motors)
+
+
+# Forms of a price, the codes of `reward.cost`: a figure costs `weight * min(figure / scale, bound)`.
+BOUNDED = 0
+
+
+class Version(NamedTuple):
+    """What the number of an environment's id stands for: limits and times, the form of the prices, a code of
+    `reward.cost`, and the prices of the terms that are charged, in the words of the keyword `reward`.
+    """
+
+    task: Task
+    form: int
+    prices: Mapping[str, Any]
+
+
+VERSIONS = {
+    "v1": Version(
+        Task(torque_limit=0.5, control_period=0.1, deadline=20.0, postlock_window=10.0),
+        BOUNDED,
+        {"peak_impact": 1.0, "wear": 1.0, "missed_deadline": {"weight": 25.0, "bound": 2.0}},
+    ),
+}
+CURRENT_VERSION = "v1"
+PRESENT = VERSIONS[CURRENT_VERSION]

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, build
-from solar_env.array.compilation import compilation_note
 from solar_env.array.ladder import QUESTIONS, Answer
+from solar_env.array.methods import compilation_note
 from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.environment.task.versions import PRESENT
 from solar_env.mechanics.analysis.geometry import centreline

@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from solar_env.array.compilation import compilation_note
+from solar_env.array.methods import compilation_note
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table

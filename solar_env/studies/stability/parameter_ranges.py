@@ -9,7 +9,7 @@ from typing import Any
 
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
-from solar_env.array.parameters.plausibility import UnitWarning
+from solar_env.array.parameters.checks import UnitWarning
 from solar_env.mechanics.running.diagnosis import LARGEST_ENERGY_SHARE
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.studies.common.tables import Row, Table, provenance, write_table

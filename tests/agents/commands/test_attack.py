@@ -8,7 +8,7 @@ import pytest
 from agents.commands.studies import attack
 from agents.commands.studies.attack import KNOTS, NUMBERS, actions, passive_profile
 from solar_env.__main__ import execute
-from solar_env.environment.task.versions import PRESENT
+from solar_env.environment.task.task import PRESENT
 
 TASK = PRESENT.task
 

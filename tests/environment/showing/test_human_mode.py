@@ -1,6 +1,5 @@
 """The render mode "human" shows every reset and step in a window, at the episode's pace; without a display here."""
 
-import copy
 import importlib.util
 import pickle
 import time
@@ -56,18 +55,14 @@ def test_the_window_closes_and_opens_with_the_next_episode():
     assert pygame.display.get_surface() is not None
 
 
-@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
-def test_a_copy_goes_on_in_the_window(copied):
+def test_a_copy_goes_on_in_the_window_and_gymnasium_finds_no_fault():
     env = gymnasium.make(DEPLOY, render_mode="human", **QUICK).unwrapped
     env.reset(seed=0)
     env.step([1.0])
-    twin = copied(env)
+    twin = pickle.loads(pickle.dumps(env))
     after = env.step([1.0]), picture()
     assert_same((twin.step([1.0]), picture()), after)
-
-
-def test_gymnasium_finds_no_fault():
-    check_env(gymnasium.make(DEPLOY, render_mode="human", **QUICK).unwrapped)
+    check_env(env)
 
 
 def test_without_pygame_the_mode_is_refused_with_what_to_install(monkeypatch):

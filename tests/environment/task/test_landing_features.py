@@ -33,28 +33,25 @@ def logarithm(value, unit):
     return math.copysign(math.log(1.0 + abs(value) / unit), value)
 
 
-@each
-@pytest.mark.parametrize("latched", [(0, 0), (1, 1)])
-def test_the_formula_that_a_feature_is_described_by_is_what_it_computes(row, latched):
-    rng = np.random.default_rng(0)
-    for _ in range(20):
-        theta, rate, left = rng.uniform(-0.1, 1.1, 2), rng.normal(0.0, 0.1, 2), rng.uniform(0.0, 1.0)
-        seen = shown(theta, rate, latched, left, [row.name])
-        d, r = 1.0 - theta, rate / LOCK_ANGLES
-        words = {"approach": 1.0 - all(latched), "d": d.mean(), "r": r.mean(), "left": 20.0 * left, "deadline": 20.0}
-        words["near"] = words["approach"] * min(max((0.3 - d.mean()) / 0.2, 0.0), 1.0)
-        words["far"] = words["approach"] - words["near"]
-        words |= {
-            "ahead_d": d[0] - d[1],
-            "ahead_r": r[0] - r[1],
-            "L": logarithm,
-            "ln": math.log,
-            "max": max,
-            "min": min,
-        }
-        for joint, value in enumerate(seen.values()):
-            expected = eval(row.formula, words | {"d_j": d[joint], "r_j": r[joint]})
-            assert value == pytest.approx(min(max(expected, row.low), row.high), abs=1e-4)
+def test_features_are_logarithms_of_distance_rate_lead_deceleration_and_the_time_that_is_needed():
+    """At 0.95 of the opening in the mean, joint 1 ahead, and after the last latch."""
+    seen = shown((0.97, 0.93), (0.06, 0.1), (0, 0), 0.4)
+    d, r = 0.05, 0.5 * (0.06 / LOCK_ANGLES[0] + 0.1 / LOCK_ANGLES[1])
+    expected = {
+        "opening": 2.0 * (0.2 - d),
+        "distance": (logarithm(d, 2e-4) - 4.0) / 2.0,
+        "rate": logarithm(r, 3e-4) - 5.0,
+        "lead": logarithm(0.04, 2e-4) / 2.0,
+        "lead_rate": logarithm(0.06 / LOCK_ANGLES[0] - 0.1 / LOCK_ANGLES[1], 3e-4) / 3.0,
+        "deceleration": (logarithm(r**2 / (2.0 * d), 1e-4) - 4.0) / 2.0,
+        "time_needed": math.log(d / r / 8.0),
+    }
+    assert {name: seen[f"near_{name}"] for name in expected} == pytest.approx(expected, abs=1e-4)
+    assert not any(value for name, value in seen.items() if name.startswith(("far", "settling", "start")))
+    after = shown((0.97, 1.01), (-0.06, 0.1), (1, 1), 0.4)
+    assert after["settling_rate_1"] == pytest.approx(-logarithm(0.06 / LOCK_ANGLES[0], 3e-4) / 4.0, abs=1e-4)
+    assert after["settling_distance_2"] == pytest.approx(-logarithm(0.01, 2e-4) / 3.0, abs=1e-4)
+    assert not any(value for name, value in after.items() if name.startswith(("far", "near", "start")))
 
 
 @pytest.mark.parametrize(("opening", "near"), [(0.0, 0.0), (0.7, 0.0), (0.75, 0.25), (0.9, 1.0), (1.001, 1.0)])

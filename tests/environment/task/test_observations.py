@@ -7,12 +7,10 @@ import math
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env as check_by_gymnasium
-from stable_baselines3.common.env_checker import check_env as check_by_stable_baselines3
 
 import solar_env
 from solar_env import Hardware
-from solar_env.environment.registration import CURRENT, DEPLOY
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.features import FEATURES
 from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
 from solar_env.environment.task.sensors import Sensors
@@ -106,18 +104,6 @@ def test_a_measurement_is_shown_late_where_the_row_says_so(row):
     assert shown == ([first, first, later] if row.delayed else [later] * 3)
 
 
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("name", CURRENT)
-def test_both_checkers_accept_every_observable_alone_and_all_together(name):
-    for observation in ([row] for row in EVERYTHING):
-        env = gymnasium.make(name, model="rigid-ideal", control_period=1e-3, observation=observation).unwrapped
-        check_by_gymnasium(env, skip_render_check=True)
-        check_by_stable_baselines3(env)
-    env = gymnasium.make(name, model="rigid-ideal", control_period=1e-3, observation=EVERYTHING).unwrapped
-    check_by_gymnasium(env, skip_render_check=True)
-    check_by_stable_baselines3(env)
-
-
 def test_the_observations_list_what_is_documented_in_that_order():
     drive = ["theta_1", "theta_2", "theta_3", "rate_1", "rate_2", "rate_3", "latched_1", "latched_2", "latched_3"]
     drive += ["motor_torque", "time_to_deadline", "time_since_latch"]
@@ -127,25 +113,6 @@ def test_the_observations_list_what_is_documented_in_that_order():
     assert names(3, "drive") == drive
     assert names(3, "history") == drive + [f"{name}_{back}_ago" for back in (1, 2, 3) for name in remembered]
     assert names(3, "privileged") == [*drive, *journals, "main_body_spin"]
-
-
-def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_asked_for():
-    keywords = {**WILD, "scenario": "randomised", "hardware": {"sensor_delay": 1}}
-    observation = ["time_to_deadline", "motor_torque_2_ago", "theta"]
-    listed = gymnasium.make(DEPLOY, observation=observation, **keywords).unwrapped
-    drive = gymnasium.make(DEPLOY, **keywords).unwrapped
-    assert listed.observation_names == ("time_to_deadline", "motor_torque_2_ago", "theta_1", "theta_2")
-    mine, theirs = [listed.reset(seed=3)[0]], [drive.reset(seed=3)[0]]
-    for action in (0.3, -0.7, 0.2, 0.9, -0.1):
-        mine.append(listed.step([action])[0])
-        theirs.append(drive.step([action])[0])
-    mine, theirs = np.array(mine), np.array(theirs)
-    torque, time = (drive.observation_names.index(name) for name in ("motor_torque", "time_to_deadline"))
-    assert np.array_equal(mine[:, 0], theirs[:, time])
-    assert np.array_equal(mine[2:, 1], theirs[:-2, torque])
-    assert np.ptp(mine[:, 1]) > 0.0
-    # Without a rate among what is measured, the noise of the angles is another part of the same sequence.
-    assert mine[0, 2:] == pytest.approx(theirs[0, :2], abs=5e-3)
 
 
 def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
@@ -179,19 +146,15 @@ def test_an_observation_in_a_list_stands_for_all_that_it_has():
         assert names == ("start", *env.observation_names, "main_body_spin")
 
 
-@pytest.mark.parametrize(
-    ("observation", "words"),
-    [
-        ("drives", ["drives", "drive"]),
-        (["landing", "far"], ["landing", "only once"]),
-        (["theta", "rates"], ["rates", "rate"]),
-        (["theta", "theta"], ["theta", "only once"]),
-        (["theta", "theta_0_ago"], ["theta_0_ago"]),
-        (["theta_101_ago"], ["theta_101_ago", "at most 100"]),
-        ([], ["at least one"]),
-        ([3], ["3", "theta"]),
-    ],
-)
-def test_an_observation_that_is_none_is_refused_by_name(observation, words):
-    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
-        solar_env.SolarArrayEnv(observation=observation)
+def test_an_observation_that_is_none_is_refused_by_name():
+    for observation, words in (
+        ("drives", "drives.*drive"),
+        (["landing", "far"], "landing.*only once"),
+        (["theta", "rates"], "rates.*rate"),
+        (["theta", "theta_0_ago"], "theta_0_ago"),
+        (["theta_101_ago"], "theta_101_ago.*at most 100"),
+        ([], "at least one"),
+        ([3], "3.*theta"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            solar_env.SolarArrayEnv(observation=observation)

@@ -31,23 +31,14 @@ def rate(env, joint=0):
     return env.simulation.joint_loads()[joint, RATE]
 
 
-@pytest.mark.parametrize("driven", [0, 1])
-def test_the_torque_is_the_gain_times_the_error_of_the_rate_held_for_a_sample(driven):
-    env = make(driven_joint=driven)
-    for action in (0.3, 0.45, -0.2, 0.0, 0.4):
-        expected = np.clip(GAIN * (setpoint(action) - rate(env, driven)), -0.5, 0.5)
+@pytest.mark.parametrize(("driven", "lag"), [(0, 0.0), (1, 0.0), (0, 0.25)])
+def test_the_torque_is_the_gain_times_the_error_of_the_rate_filtered_and_held_for_a_sample(driven, lag):
+    env = make({"rate_loop_lag": lag}, driven_joint=driven)
+    torque, share = 0.0, 1.0 - math.exp(-0.1 / lag) if lag else 1.0
+    for action in (0.3, 0.45, -0.2, 0.0, 0.4, 0.9):
+        torque += share * (np.clip(GAIN * (setpoint(action) - rate(env, driven)), -0.5, 0.5) - torque)
         env.step([action])
-        assert env.simulation.state.joints["motor_torque"][driven] == pytest.approx(expected, rel=1e-9)
-
-
-def test_the_filter_lets_the_torque_follow_with_its_time_constant():
-    env = make({"rate_loop_lag": 0.25})
-    torque = 0.0
-    for action in (0.9, 0.9, 0.5, 0.3, -0.2, 0.45):
-        asked = np.clip(GAIN * (setpoint(action) - rate(env)), -0.5, 0.5)
-        torque += (asked - torque) * (1.0 - math.exp(-0.1 / 0.25))
-        env.step([action])
-        assert env.simulation.state.joints["motor_torque"][0] == pytest.approx(torque, rel=1e-9)
+        assert env.simulation.state.joints["motor_torque"][driven] == pytest.approx(torque, rel=1e-9)
 
 
 def test_without_the_filter_a_fast_loop_shakes_flexible_panels():
@@ -85,18 +76,6 @@ def test_a_faster_loop_is_the_same_as_as_many_slow_control_periods():
         assert fast.simulation.state.q == pytest.approx(slow.simulation.state.q, abs=1e-12)
 
 
-def test_a_fast_loop_comes_near_to_a_damper_at_the_setpoint_and_the_nearer_the_faster():
-    """Until the torque is at its limit no more, the hinge's rate goes to where spring and loop are in balance."""
-    offsets = []
-    for frequency in (10.0, 40.0, 160.0):
-        env = make(hardware={"rate_loop_frequency": frequency}, parameters={"cable_stiffness": 0.5})
-        for _ in range(20):
-            env.step([0.7])
-        torque = env.simulation.state.joints["motor_torque"][0]
-        offsets.append(abs(torque - GAIN * (setpoint(0.7) - rate(env))))
-    assert offsets[0] > 3.0 * offsets[1] > 9.0 * offsets[2]
-
-
 def test_the_torque_stays_within_the_limit_and_follows_the_motors_lag_and_rate_limit():
     env = make()
     env.step([1.0])
@@ -119,16 +98,13 @@ def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_
     assert np.std(errors) == pytest.approx(1e-3, rel=0.3)
 
 
-@pytest.mark.parametrize(
-    ("keywords", "words"),
-    [
-        ({"action": "speed"}, ["speed", "torque"]),
-        ({"action": "rate", "hardware": {"rate_loop_frequency": 15.0}}, ["15.0 Hz", "1.5 samples", "whole number"]),
-        ({"action": "rate", "control_period": 0.001}, ["rate_loop_frequency", "0.1 samples"]),
-        ({"hardware": {"rate_loop_lag": -0.1}}, ["rate_loop_lag", "-0.1", "not negative"]),
-        ({"hardware": {"rate_loop_gain": 0.0}}, ["rate_loop_gain", "0.0", "positive"]),
-    ],
-)
-def test_a_loop_that_cannot_be_is_refused_by_name(keywords, words):
-    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
-        gymnasium.make(DEPLOY, **keywords)
+def test_a_loop_that_cannot_be_is_refused_by_name():
+    for keywords, words in (
+        ({"action": "speed"}, "speed.*torque"),
+        ({"action": "rate", "hardware": {"rate_loop_frequency": 15.0}}, "15.0 Hz.*1.5 samples.*whole number"),
+        ({"action": "rate", "control_period": 0.001}, "rate_loop_frequency.*0.1 samples"),
+        ({"hardware": {"rate_loop_lag": -0.1}}, "rate_loop_lag.*-0.1.*not negative"),
+        ({"hardware": {"rate_loop_gain": 0.0}}, "rate_loop_gain.*0.0.*positive"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            gymnasium.make(DEPLOY, **keywords)

@@ -23,7 +23,6 @@ from charged import (
     constant,
     deploy,
     erratic,
-    folded_until,
     held_short_at,
     in_turn,
     mean_total,
@@ -38,8 +37,7 @@ from agents.laws.table import TUNABLE
 from agents.torque_laws import Signals
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.reward import Price
-from solar_env.environment.task.task import Task
-from solar_env.environment.task.versions import VERSIONS
+from solar_env.environment.task.task import VERSIONS, Task
 
 
 @pytest.fixture(scope="module")
@@ -86,14 +84,6 @@ def test_limits_durations_and_prices_are_the_documented_ones():
     assert env.reward.prices["missed_deadline"] == Price(1.0, MISSED, 2.0)
 
 
-def test_500_newtons_and_a_tenth_of_a_joule_cost_one_each(passive):
-    for run in passive:
-        peak_impact, wear, missed = np.sum(run.terms, axis=0)
-        assert peak_impact == pytest.approx(-run.force / 500.0, rel=1e-9)
-        assert wear == pytest.approx(-run.work / 0.1, rel=1e-9)
-        assert missed == 0.0
-
-
 def test_the_passive_deployment_returns_what_the_documentation_promises(passive):
     """Up to the spread of deployments that differ by micrometres, which another processor's rounding spreads too."""
     alone = deploy([constant(0.0)])[0]
@@ -108,15 +98,6 @@ def test_the_return_ranks_deployments_as_force_and_wear_together_do(deployments)
     """
     total, force, work = deployments
     assert rank_correlation(total, -force * work) > 0.95
-
-
-def test_the_return_agrees_with_force_and_with_wear_better_than_these_agree_with_each_other(deployments):
-    """They are at odds: no order of the controllers can be that of both. A return that left one out would fail."""
-    total, force, work = deployments
-    between = rank_correlation(force, work)
-    assert between < 0.8
-    assert rank_correlation(total, -force) > between + 0.1
-    assert rank_correlation(total, -work) > between + 0.1
 
 
 @pytest.mark.parametrize("figure", ["force", "work"])
@@ -142,13 +123,6 @@ def test_whoever_misses_the_deadline_ranks_below_all_who_deploy(wide_set):
     missed = [run.total for run in wide_set if not run.latched]
     assert len(missed) >= 3
     assert max(missed) < WORST_DEPLOYMENT < min(run.total for run in wide_set if run.latched)
-
-
-def test_no_controller_ends_an_episode_before_its_time(wide_set):
-    for run in wide_set:
-        end = run.last_latch + TASK.postlock_window if run.latched else TASK.deadline
-        assert run.times[-1] == run.figures["duration_s"] == pytest.approx(end, abs=1e-9)
-        assert len(run.times) == math.ceil(end / TASK.control_period - 1e-9)
 
 
 def test_holding_the_array_folded_or_short_of_its_latches_never_pays(passive):
@@ -193,20 +167,12 @@ def test_how_close_to_the_deadline_it_latched_makes_no_difference(model):
         assert sum(sum(terms) for terms in tight.terms[round(deadline / TASK.control_period) :]) < 0.0
 
 
-def test_what_happens_after_the_deadline_is_charged_as_an_array_without_one_feels_it():
-    """Of an array that latches half a second before the deadline of 20 s."""
-    late = deploy([folded_until(920)], control_period=0.01)[0]
-    assert late.latched
-    assert min(late.figures["latch_times_s"]) > 19.0
-    assert late.times[-1] == pytest.approx(late.last_latch + 10.0)
-    first = step_of(min(late.figures["latch_times_s"]), late)
-    record = physical_record(late)
-    assert_charged(late.terms, record.peaks, record.work, first, len(late.times) - 1)
+def test_an_episode_is_charged_for_what_the_same_torques_do_to_an_array_without_a_task():
+    """Peaks after the first latching and then in both joints, wear from the start; and the figures at the end.
 
-
-def test_peaks_are_charged_after_the_first_latching_and_then_in_both_joints_and_wear_from_the_start():
-    """Of an array whose root latches nine seconds after the outer joint."""
-    run = deploy([constant(0.0)], parameters=SOFT_CABLE, control_period=0.02)[0]
+    Of an array whose root latches nine seconds after the outer joint, while the motor swings to and fro.
+    """
+    (run,) = deploy([lambda observation, step: 0.3 * math.sin(0.05 * step)], parameters=SOFT_CABLE, control_period=0.02)
     root, outer = run.figures["latch_times_s"]
     assert outer + 5.0 < root
     record = physical_record(run, **SOFT_CABLE)
@@ -221,44 +187,16 @@ def test_peaks_are_charged_after_the_first_latching_and_then_in_both_joints_and_
     assert work[before, 0] > work[first, 0] + 1e-3
     assert_charged(run.terms, peaks, work, first, before)
     assert_charged(run.terms, peaks, work, first, len(run.times) - 1)
-
-
-def test_the_figures_of_an_episode_are_those_of_the_same_torques_without_a_task():
-    """Of an array whose root latches nine seconds after the outer joint, while the motor swings to and fro."""
-    (run,) = deploy([lambda observation, step: 0.3 * math.sin(0.05 * step)], parameters=SOFT_CABLE, control_period=0.02)
-    record = physical_record(run, **SOFT_CABLE)
-    first = step_of(min(run.figures["latch_times_s"]), run)
-    for name, so_far in (("postlock_impulse_Ns", record.impulse), ("postlock_sliding_work_J", record.work)):
+    for name, so_far in (("postlock_impulse_Ns", record.impulse), ("postlock_sliding_work_J", work)):
         least, greatest = (so_far[-1] - so_far[start] for start in (first, first - 1))
         assert np.all(least * (1.0 - 1e-9) <= run.figures[name]), name
         assert np.all(run.figures[name] <= greatest * (1.0 + 1e-9)), name
         assert np.all(so_far[-1] > greatest + 0.1 * least), "what came before the latching would show"
     turned = np.diff(record.angles, axis=0, prepend=0.0)[:, 0]
-    work = TASK.torque_limit * np.array(run.actions) @ turned
-    assert abs(work) > 0.01
-    assert run.figures["motor_work_J"] == pytest.approx(work, rel=1e-5)
+    motor_work = TASK.torque_limit * np.array(run.actions) @ turned
+    assert abs(motor_work) > 0.01
+    assert run.figures["motor_work_J"] == pytest.approx(motor_work, rel=1e-5)
     assert run.figures["wear_depth_max_m"] == pytest.approx(record.wear.tolist(), rel=1e-9, abs=0.0)
-
-
-def test_impacts_on_the_way_are_not_charged_however_hard():
-    """Of an array that is shaken for four seconds and then led to its latches softly."""
-    shaking, damper = chatter((1, -1)), viscous(3.0, 3.0)
-    run = deploy([lambda observation, step: (shaking if step < 40 else damper)(observation, step)])[0]
-    peaks = physical_record(run).peaks
-    first = step_of(min(run.figures["latch_times_s"]), run)
-    before, after = peaks[:first].max(axis=0).sum(), peaks[first:].max(axis=0).sum()
-    assert before > 1.2 * after
-    assert np.sum(run.terms, axis=0)[0] >= -after / FORCE_SCALE * (1.0 + 1e-9)
-
-
-@pytest.mark.parametrize("pattern", [(1, 1, -1, -1), (1, -1, -1), (1, 1, -1), (1, -1, -1, -1)], ids=str)
-def test_chattering_on_the_way_gains_nothing_over_its_mean(pattern, passive):
-    """Averaged over its phase, which shifts the joints' vibration against the latching, and that shifts the impact."""
-    mean = float(np.mean(pattern))
-    nothing = constant(0.0)
-    steady = deploy([in_turn(constant(mean), nothing, all_latched)] * 2, randomize=SAMPLING) if mean else passive
-    shaken = deploy([in_turn(law, nothing, all_latched) for law in phases(pattern)], randomize=SAMPLING)
-    assert mean_total(shaken) < mean_total(steady)
 
 
 def test_neither_chatter_nor_pressing_with_full_torque_gains_anything_over_a_damper():
@@ -278,24 +216,16 @@ def test_neither_chatter_nor_pressing_with_full_torque_gains_anything_over_a_dam
             assert run.total < best, when
 
 
-@pytest.mark.parametrize("model", ["rigid-ideal", "flexible-ideal:1 element", "rigid-clearance"])
+@pytest.mark.parametrize("model", ["rigid-ideal", "flexible-ideal:1 element"])
 def test_the_return_does_not_depend_on_how_finely_a_torque_is_cut(model):
-    """Up to the tolerance of the integration, or to the spread of deployments that differ by micrometres."""
-    torques = np.random.default_rng(1).uniform(-1.0, 1.0, 300)
-    lanes = 6 if model.endswith("clearance") else 1
-    totals = []
+    """Up to the tolerance of the integration."""
+    torques, totals = np.random.default_rng(1).uniform(-1.0, 1.0, 300), []
     for pieces in (1, 2):
-        runs = deploy(
-            [lambda observation, step, cut=pieces: torques[step // cut]] * lanes,
-            model=model,
-            control_period=0.1 / pieces,
-            randomize=SAMPLING,
+        (run,) = deploy(
+            [lambda observation, step, cut=pieces: torques[step // cut]], model=model, control_period=0.1 / pieces
         )
-        totals.append([run.total for run in runs])
-    whole, cut = np.mean(totals, axis=1)
-    # Four standard errors of a difference of means; without clearances nothing is left to chance.
-    spread = 4.0 * np.sqrt(np.var(totals, axis=1, ddof=1).sum() / lanes) if lanes > 1 else 0.0
-    assert cut == pytest.approx(whole, rel=0.01, abs=spread)
+        totals.append(run.total)
+    assert totals[1] == pytest.approx(totals[0], rel=0.01)
 
 
 def test_charges_stop_at_their_bound_however_violent_the_deployment():

@@ -133,8 +133,6 @@ def test_the_documentation_lists_the_term_with_its_price(term):
 @each
 def test_what_a_missed_deadline_costs_must_exceed_what_all_else_can_together(term):
     """Whatever the weights and bounds: the bound of all others is the sum of weight times bound."""
-    reward = Reward(ALL)
-    assert reward.largest_cost == 12.0 * (len(REWARD_TERMS) - 1)
     if term.name == "missed_deadline":
         return
     edge = {**dict.fromkeys(ALL, 0.0), term.name: {"weight": 2.0, "bound": 7.0}}
@@ -143,53 +141,17 @@ def test_what_a_missed_deadline_costs_must_exceed_what_all_else_can_together(ter
     assert Reward({**edge, "missed_deadline": 14.1}).names.count(term.name) == 1
 
 
-def test_motor_work_is_torque_times_angle_whether_it_drives_or_brakes():
-    env = gymnasium.make(
-        DEPLOY,
-        model="rigid-ideal",
-        control_period=1e-3,
-        parameters={"initial_rate": 0.5},
-        reward={"motor_work": {"weight": 1.0, "scale": 1e-6, "bound": 1e4}, **DEAR},
-        observation=["theta", "motor_torque"],
-    ).unwrapped
-    before, _ = env.reset(seed=0)
-    for action in (1.0, -1.0, 0.4, -0.6):
-        after, _, _, _, info = env.step([action])
-        work = abs(0.5 * action * (after[0] - before[0]) * math.pi / 2)
-        assert -info["reward_terms"]["motor_work"] * 1e-6 == pytest.approx(work, rel=1e-3)
-        assert work > 1e-5
-        before = after
-
-
-def test_a_saved_episode_goes_on_where_the_same_terms_are_charged_and_nowhere_else():
-    keywords = {"model": "rigid-ideal", "control_period": 1e-3}
-    one, other = (gymnasium.make_vec(DEPLOY, 1, reward=reward, **keywords).unwrapped for reward in (ALL, None))
-    for env in (one, other):
-        env.reset(seed=0)
-        env.step(np.ones((1, 1)))
-    saved = one.lane(0).save_episode()
-    expected = [one.step(np.full((1, 1), -0.5))[1] for _ in range(3)]
-    one.lane(0).restore_episode(saved)
-    assert [one.step(np.full((1, 1), -0.5))[1] for _ in range(3)] == expected
-    with pytest.raises(ValueError, match=r"motor_work.*same terms are charged"):
-        other.lane(0).restore_episode(saved)
-
-
-@pytest.mark.parametrize(
-    ("reward", "words"),
-    [
-        ({"peak_impacts": 1.0}, ["peak_impacts", "peak_impact"]),
-        ({"wear": -1.0}, ["wear", "weight", "-1.0", "not negative"]),
-        ({"wear": math.nan}, ["wear", "weight", "nan"]),
-        ({"wear": True}, ["wear", "weight", "True"]),
-        ({"wear": {"scale": 0.0}}, ["wear", "scale", "0.0", "positive"]),
-        ({"wear": {"bound": math.inf}}, ["wear", "bound", "inf"]),
-        ({"wear": {"price": 1.0}}, ["wear", "price", "scale"]),
-        ({"wear": "much"}, ["wear", "weight", "much"]),
-        ({"motor_work": 1.0}, ["missed_deadline costs 25.0", "36.0", "raise its weight"]),
-        (["wear"], ["wear", "mapping"]),
-    ],
-)
-def test_a_reward_that_is_none_is_refused_by_name(reward, words):
-    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
-        solar_env.SolarArrayEnv(reward=reward)
+def test_a_reward_that_is_none_is_refused_by_name():
+    for reward, words in (
+        ({"peak_impacts": 1.0}, "peak_impacts.*peak_impact"),
+        ({"wear": -1.0}, "wear.*weight.*-1.0.*not negative"),
+        ({"wear": math.nan}, "wear.*weight.*nan"),
+        ({"wear": True}, "wear.*weight.*True"),
+        ({"wear": {"scale": 0.0}}, "wear.*scale.*0.0.*positive"),
+        ({"wear": {"bound": math.inf}}, "wear.*bound.*inf"),
+        ({"wear": {"price": 1.0}}, "wear.*price.*scale"),
+        ({"motor_work": 1.0}, "missed_deadline costs 25.0.*36.0.*raise its weight"),
+        (["wear"], "wear.*mapping"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            solar_env.SolarArrayEnv(reward=reward)

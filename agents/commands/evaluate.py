@@ -7,14 +7,7 @@ from typing import Annotated
 import tyro
 
 from agents.commands.arguments import ModelOptions
-from agents.comparison.evaluation import (
-    MODEL,
-    STORE,
-    SUITES,
-    common_environment,
-    evaluate,
-    suite_controllers,
-)
+from agents.comparison.evaluation import MODEL, STORE, SUITES, common_environment, evaluate, suite_controllers
 from agents.comparison.figures import comparison_figure
 from agents.comparison.report import write_comparison
 from agents.environments import with_sampling
@@ -22,8 +15,6 @@ from agents.laws.table import LAWS
 from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import make_folder
 from solar_env.support.terminal import print_markdown
-
-FIGURE = "comparison.png"
 
 CONTROLLERS = (
     f"laws ({', '.join(LAWS)}), shipped policies and run folders, and receding-horizon:OTHER, which searches with the "
@@ -76,7 +67,7 @@ def run_command(args: Args) -> int:
     )
     settings = {**asdict(args), "env_id": env_id, "env_kwargs": env_kwargs}
     summary, tables = write_comparison(out, rows, settings)
-    comparison_figure(summary, out / FIGURE)
+    comparison_figure(summary, out / "comparison.png")
     print_markdown(tables)
     print(f"written to {out}")
     return 0

@@ -1,5 +1,6 @@
 """Figures of training runs, of single episodes, and of comparisons."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -67,7 +68,9 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
             axes.plot(factor * value.mean, row, marker, color=color, ms=4)
             axes.plot(worst, row, "x", color=color, ms=5)
         axes.set_xscale("log")
-        axes.xaxis.set_minor_formatter(NullFormatter())  # labels between powers of ten would overlap
+        least, greatest = np.log10(axes.get_xlim())
+        if math.ceil(least) <= greatest:  # the labels between powers of ten would overlap
+            axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_yticks(range(len(names)), names)
         axes.set_xlabel(label)
         axes.grid(visible=False, axis="y")

@@ -23,7 +23,7 @@ def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished,
     assert COMMAND in card
     assert '"seed": 7' in card
     assert '"n_steps": 50' in card
-    assert "9 - 1, linear; observations are clipped to 3.0" in card
+    assert "9 - 1, linear; observations are clipped to 3.0" in " ".join(card.split())
     assert "on the model rigid-ideal" in card
     assert "| passive | " in card
     assert "None were measured." in (finished["ppo"][1] / shipped.CARD).read_text()

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from solar_env.pictures.style import FAINT, STYLE, Look
+from solar_env.pictures.style import STYLE, Look
 from solar_env.support.files import save_figure
 
 _ABOVE = 0.72  # room for titles [inch]
@@ -54,12 +54,6 @@ def _legend_columns(width: float) -> int:
     return max(1, int(width / 1.9))
 
 
-def positive_points(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The points that logarithmic axes can show, in their order."""
-    shown = np.isfinite(x) & np.isfinite(y) & (x > 0.0) & (y > 0.0)
-    return x[shown], y[shown]
-
-
 def use_decades(axis: Axes, which: str) -> None:
     """A logarithmic axis, "x" or "y", at least one decade wide, labelled at decades, and within where one is alone."""
     own, limits = (axis.xaxis, axis.get_xlim()) if which == "x" else (axis.yaxis, axis.get_ylim())
@@ -74,13 +68,6 @@ def use_decades(axis: Axes, which: str) -> None:
         own.set_minor_locator(LogLocator(subs=(3.0,)))
         own.set_minor_formatter(FuncFormatter(lambda value, _: short(value)))
         own.set_tick_params(which="minor", length=mpl.rcParams["xtick.major.size"])
-
-
-def draw_floor(axis: Axes, floor: float) -> None:
-    """Shade the errors below which references disagree."""
-    if np.isfinite(floor) and floor > 0.0:
-        axis.axvspan(0.0, floor, color=FAINT, alpha=0.5, linewidth=0.0, zorder=0)
-        axis.axvline(floor, color=FAINT, linewidth=0.8, zorder=0)
 
 
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:

@@ -12,13 +12,10 @@ from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
 from solar_env.studies.common.timing import Job, Measured, measure
-from solar_env.studies.precision.convergence import convergence_jobs, convergence_rows
-from solar_env.studies.precision.convergence_plot import draw_convergence
+from solar_env.studies.precision.convergence import convergence_jobs, convergence_rows, draw_convergence
 from solar_env.studies.precision.methods import METHODS, MISSING_PEER, peer_is_missing
-from solar_env.studies.precision.side_by_side import side_by_side_jobs, side_by_side_rows
-from solar_env.studies.precision.side_by_side_page import write_side_by_side
-from solar_env.studies.precision.work_precision import work_precision_jobs, work_precision_rows
-from solar_env.studies.precision.work_precision_plot import draw_work_precision
+from solar_env.studies.precision.side_by_side import draw_side_by_side, side_by_side_jobs, side_by_side_rows
+from solar_env.studies.precision.work_precision import draw_work_precision, work_precision_jobs, work_precision_rows
 from solar_env.support.progress import counting_bar
 
 
@@ -40,7 +37,7 @@ class Study:
 STUDIES = {
     "work-precision": Study(work_precision_jobs, work_precision_rows, draw_work_precision),
     "convergence": Study(convergence_jobs, convergence_rows, draw_convergence),
-    "side-by-side": Study(side_by_side_jobs, side_by_side_rows, write_side_by_side),
+    "side-by-side": Study(side_by_side_jobs, side_by_side_rows, draw_side_by_side),
 }
 
 
@@ -68,7 +65,7 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
 def warm_up(plan: ChartPlan) -> None:
     """Run a moment of every method and model, so that compiling and loading are not measured."""
     for model in plan.models:
-        for method in METHODS:
+        for method in METHODS.values():
             settings = method.settings.get(model, ())
             if method.available and settings:
                 method.solve(replace(plan.deployment(model), duration=1e-3, sample_step=1e-3), settings[-1])

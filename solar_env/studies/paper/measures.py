@@ -1,6 +1,6 @@
 """Figures that are taken for the paper's statements, each of the deployments that a claim names, in their order.
 
-`of_joint`, `ratio`, `joint_2_over_1`, `over_joints` and `large_over_small` turn figures of any motion into such ones.
+`ratio`, `joint_2_over_1`, `over_joints` and `large_over_small` turn figures of any motion into such ones.
 """
 
 import math
@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import correlate, correlation_lags
+from scipy.stats import spearmanr
 
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.paper import phases
@@ -21,14 +23,12 @@ TOUCH_TOLERANCE = 1e-6  # m; a journal that comes so near the wall touches it
 FIRST_PEAK = 0.4  # s; the first peak of a latch torque comes within this time of the latching
 LATE = 20.0  # s
 QUIET = (2.0, 12.5)  # s; of the deployment in which vibrations are compared, clear of the start and of the latching
+RUNNING_MEAN = 0.5  # s; what is slower is no vibration
+SLIDE = 0.1  # s; of the slide round the wall at latching
+LAGGING, LONGEST_LAG = 10.0, 1.0  # s; of the oscillations that are compared, and of their shift at most
 SETTLED = 0.25  # a lock torque has settled when it stays below this share of its greatest
 BURSTS = (15.74, 17.63, 20.59, 28.48, 29.33)  # s; when the paper's Fig 10 shows bursts of impacts
 LAST_BURSTS = 27.5  # s; the last two of them come after it
-
-
-def of_joint(figure: FigureOfJoint, joint: int) -> Figure:
-    """A figure of one joint."""
-    return lambda motion: figure(motion, joint)
 
 
 def ratio(figure: Figure) -> Comparison:
@@ -64,15 +64,15 @@ def lead(motion: Trajectory) -> float:
     return latch_time(motion, 1) - latch_time(motion, 0)
 
 
-def settled(motion: Trajectory, joint: int) -> float:
-    """When the initial impacts of a joint end [s]."""
-    return phases.find_phases(motion, joint).settled
+def rank_correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """Spearman's rank correlation of two signals: forces span decades."""
+    return float(spearmanr(a, b).statistic)
 
 
 def decay(motion: Trajectory) -> float:
     """Rank correlation of the initial impacts' speeds with time, the greater one of both joints."""
     initial = [phases.contacts_in(motion, joint, 1) for joint in JOINTS]
-    return max(phases.rank_correlation(impacts["start_s"], impacts["impact_speed"]) for impacts in initial)
+    return max(rank_correlation(impacts["start_s"], impacts["impact_speed"]) for impacts in initial)
 
 
 def one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
@@ -92,9 +92,21 @@ def force_in_deployment(motion: Trajectory) -> float:
     return float((np.array(quiet) / motion.postlock_peak_force).max())
 
 
+def time_of_turning(motion: Trajectory, joint: int) -> float:
+    """When [s], in the lasting contact of the deployment, the journal is furthest up or down."""
+    phase, height = phases.phase_of(motion, joint), motion.eccentricity[:, joint, 1]
+    return float(motion.time[np.where(phase == 2, np.abs(height), -1.0).argmax()])
+
+
 def slide(motion: Trajectory, joint: int) -> float:
-    """Slide at latching [deg] as the paper sees it: its panels fold to the other side, so that it is mirrored."""
-    return -math.degrees(phases.slide_at_latching(motion, joint))
+    """Angle [deg] by which the journal slides round the wall within SLIDE of the latching, as the paper sees it.
+
+    Its panels fold to the other side, so that it is mirrored: anticlockwise here is negative.
+    """
+    angle, start = phases.journal_angle(motion, joint), float(motion.latch_times[joint])
+    window = (motion.time >= start) & (motion.time <= start + SLIDE)
+    moved = angle[window] - angle[window][0]
+    return -math.degrees(float(moved[np.abs(moved).argmax()]))
 
 
 def circling(motion: Trajectory) -> float:
@@ -137,12 +149,12 @@ def bursts(motion: Trajectory) -> float:
     """Rank correlation of forces and latch torques by windows."""
     edges = phases.windows_after_latching(motion)
     torques = np.sum([phases.greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
-    return phases.rank_correlation(window_forces(motion).max(axis=0), torques)
+    return rank_correlation(window_forces(motion).max(axis=0), torques)
 
 
 def synchrony(motion: Trajectory) -> float:
     """Rank correlation of both joints' forces by windows."""
-    return phases.rank_correlation(*window_forces(motion))
+    return rank_correlation(*window_forces(motion))
 
 
 def burst_rank(motion: Trajectory) -> float:
@@ -195,13 +207,39 @@ def swing(motion: Trajectory, joint: int) -> float:
 
 
 def vibration(motion: Trajectory) -> float:
-    """Vibration of the joint rates in the quiet part of the deployment [rad/s]."""
-    return phases.vibration(motion, *QUIET)
+    """Root mean square [rad/s] of the joint rates about their running mean, in the quiet part of the deployment."""
+    width = round(RUNNING_MEAN / float(motion.time[1] - motion.time[0]))
+    rates = motion.rates[(motion.time >= QUIET[0]) & (motion.time <= QUIET[1])]
+    means = np.stack([np.convolve(rate, np.ones(width) / width, "valid") for rate in rates.T], axis=1)
+    first = (width - 1) // 2
+    return float(np.sqrt(np.mean((rates[first : first + len(means)] - means) ** 2)))
 
 
-def lag(ideal: Trajectory, loose: Trajectory) -> float:
+def lag(reference: Trajectory, motion: Trajectory, joint: int) -> float:
+    """Time [s] by which the oscillation of a joint after latching lags that of a reference.
+
+    The shift, within LONGEST_LAG, with the greatest cross-correlation of the angles over LAGGING from either one's
+    own last latching; a parabola through the maximum and its neighbours places it between samples.
+    """
+    step = float(motion.time[1] - motion.time[0])
+    signals, late = [], []
+    for one in (motion, reference):
+        latched = float(np.nanmax(one.latch_times))
+        start = int(np.searchsorted(one.time, latched))
+        late.append(float(one.time[start]) - latched)
+        angles = one.angles[start : start + round(LAGGING / step), joint]
+        signals.append(angles - angles.mean())
+    shifts = correlation_lags(len(signals[0]), len(signals[1]))
+    products = correlate(*signals) / (len(signals[0]) - np.abs(shifts))
+    top = int(np.where(np.abs(shifts) * step <= LONGEST_LAG, products, -np.inf).argmax())
+    before, here, after = products[top - 1 : top + 2]
+    between = 0.5 * (before - after) / (before - 2.0 * here + after)
+    return step * (float(shifts[top]) + float(between)) + late[0] - late[1]
+
+
+def least_lag(ideal: Trajectory, loose: Trajectory) -> float:
     """Time by which the oscillation with clearance lags [s], the smaller one of both joints."""
-    return min(phases.lag(ideal, loose, joint) for joint in JOINTS)
+    return min(lag(ideal, loose, joint) for joint in JOINTS)
 
 
 def density(one: Trajectory, two: Trajectory) -> float:

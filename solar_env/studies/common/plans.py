@@ -53,7 +53,6 @@ class ChartPlan:
         before_latch: up to which angles are compared [s].
         settings: how many settings of a method are measured, from the coarsest; None for all.
         repeats: of every measured time.
-        dear: whether methods are measured that take minutes.
         ensemble_size: runs of an ensemble side by side, see `motion.perturbed`.
         ensemble_duration: of the deployments of the study of convergence [s].
         levels: of the study of convergence; the last of beams and of modes are the finest of their families.
@@ -67,7 +66,6 @@ class ChartPlan:
     before_latch: float = 12.0
     settings: int | None = None
     repeats: int = 3
-    dear: bool = True
     ensemble_size: int = 16
     ensemble_duration: float = 16.0
     levels: tuple[Ensemble, ...] = LEVELS
@@ -86,7 +84,6 @@ QUICK = ChartPlan(
     before_latch=2.2,
     settings=2,
     repeats=1,
-    dear=False,
     ensemble_size=3,
     ensemble_duration=3.0,
     levels=SHORT_LEVELS,

@@ -5,26 +5,26 @@ compared are the means of ensembles, whose runs are released at slightly differe
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 
 from solar_env.array.level import ELEMENTS, MODES
-from solar_env.pictures.style import LEVEL_LOOKS, STYLE, Look, look_of
+from solar_env.pictures.style import LEVEL_LOOKS, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.levels import Level
-from solar_env.studies.common.measures import angle_error, force_error, latch_error
+from solar_env.studies.common.measures import force_error
 from solar_env.studies.common.motion import Motion, Scene, perturbed, run_own
 from solar_env.studies.common.plans import ChartPlan, Ensemble
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.curves import ERRORS as METHOD_ERRORS
 from solar_env.studies.precision.curves import draw_curves
+from solar_env.studies.precision.work_precision import errors_of
 from solar_env.support.files import write_text
 from solar_env.support.markdown import markdown_table
 
@@ -54,24 +54,21 @@ def _level(level: Ensemble, joint: str) -> Level:
     return Level(model, level.tighter)
 
 
-def _keys(plan: ChartPlan) -> Iterator[Key]:
-    """With clearance member by member, so that what disturbs the machine meets all levels alike."""
-    yield from ((level, None) for level in plan.levels)
-    for member in range(max(level.members for level in plan.levels)):
-        yield from ((level, member) for level in plan.levels if member < level.members)
+def runs(plan: ChartPlan) -> dict[Key, Job]:
+    """A deployment with ideal joints, and an ensemble with clearance, at every level.
 
-
-def convergence_jobs(plan: ChartPlan) -> dict[Key, Job]:
-    """A deployment with ideal joints, and an ensemble with clearance, at every level."""
+    With clearance member by member, so that what disturbs the machine meets all levels alike.
+    """
     jobs: dict[Key, Job] = {}
-    for ensemble, member in _keys(plan):
-        level = _level(ensemble, "ideal" if member is None else "clearance")
-        solve = partial(run_level, level, replace(plan.deployment(level.model), duration=plan.ensemble_duration))
-        name = f"convergence, {level.name}"
-        if member is None:
-            jobs[ensemble, member] = Job(name, solve, plan.repeats)
-        else:
-            jobs[ensemble, member] = Job(f"{name}, run {member + 1}", partial(solve, member))
+    for member in (None, *range(max(level.members for level in plan.levels))):
+        for ensemble in plan.levels:
+            if member is not None and member >= ensemble.members:
+                continue
+            level = _level(ensemble, "ideal" if member is None else "clearance")
+            scene = replace(plan.deployment(level.model), duration=plan.ensemble_duration)
+            name = f"convergence, {level.name}" + ("" if member is None else f", run {member + 1}")
+            solve = partial(run_level, level, scene, member or 0)
+            jobs[ensemble, member] = Job(name, solve, plan.repeats if member is None else 1)
     return jobs
 
 
@@ -85,7 +82,7 @@ def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
     return run_own(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
-def convergence_rows(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
+def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
     """A row for every level: cost and errors with ideal joints, then means of its ensemble with clearance.
 
     Raises:
@@ -106,8 +103,7 @@ def convergence_rows(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]
             "duration_s": plan.ensemble_duration,
             "reference": _level(finest, "ideal").size,
             "wall_ideal_s": ideal.wall,
-            "angle_error_rad": angle_error(ideal.motion, reference, plan.before_latch),
-            "latch_error_s": latch_error(ideal.motion, reference),
+            **errors_of(ideal.motion, reference, plan),
             "reaction_error": force_error(ideal.motion, reference),
         }
         rows.append(labels | _means([results[level, member] for member in range(level.members)]))
@@ -127,7 +123,7 @@ def _means(ensemble: list[Measured]) -> Row:
     return row
 
 
-def draw_convergence(rows: Table, folder: Path) -> list[Path]:
+def draw(rows: Table, folder: Path) -> list[Path]:
     """Draw errors with ideal joints and means with clearance against wall time, and write both; returns the files."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks), gap=0.7)
@@ -140,7 +136,11 @@ def draw_convergence(rows: Table, folder: Path) -> list[Path]:
             axis.set_axis_off()
         for joint, line in zip(JOINTS, axes[1:], strict=True):
             for axis, (statistic, (label, _)) in zip(line, MEANS.items(), strict=True):
-                _draw_means(axis, rows, statistic, joint, looks)
+                for row in rows.rows:
+                    (mean, spread), look = _mean(row, statistic, joint), looks[str(row["level"])]
+                    axis.errorbar([mean], [row["wall_s"]], xerr=_BAND * spread, markersize=4.5, linewidth=0.8, **look)
+                axis.set_yscale("log")
+                use_decades(axis, "y")
                 axis.set_title(f"clearance, joint {joint}")
                 axis.set_xlabel(label)
         for axis in axes[:, 0]:
@@ -168,7 +168,7 @@ def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str)
 
 
 def conclusion(rows: Table) -> str:
-    """Whether the finest of beams and the finest of modes have the same means, or by how much they differ."""
+    """Whether the finest of beams and the finest of modes have the same means, and by how much they differ most."""
     beams, modes = (rows.where(family=kind).rows[-1] for kind in (ELEMENTS, MODES))
     found = [
         (*difference(beams, modes, f"{statistic}_{joint}"), f"{label.partition(' [')[0]} of joint {joint}")
@@ -179,18 +179,10 @@ def conclusion(rows: Table) -> str:
     if not found:
         return "Nothing was struck: no joint has latched"
     beyond = [entry for entry in found if abs(entry[0]) > _BEYOND * entry[1]]
+    change, error, what = max(beyond or found, key=lambda entry: abs(entry[0]))
+    words = "have not met" if beyond else "go to one limit within sampling"
     names = f"{beams['level']} and {modes['level']}"
-    if not beyond:
-        change, error, what = max(found, key=lambda entry: abs(entry[0]))
-        return (
-            f"Beams and modes go to one limit within sampling: {names} differ by {change:+.1%} ± {error:.1%} at most, "
-            f"in the {what}"
-        )
-    listed = "; ".join(
-        f"{what} by {change:+.1%} ± {error:.1%}"
-        for change, error, what in sorted(beyond, key=lambda entry: -abs(entry[0]))
-    )
-    return f"Beams and modes have not met: {names} differ in {listed}"
+    return f"Beams and modes {words}: {names} differ by {change:+.1%} ± {error:.1%} at most, in the {what}"
 
 
 def _page(rows: Table) -> str:
@@ -203,7 +195,7 @@ def _page(rows: Table) -> str:
             *(f"{number(row, error):.1e}" for error in ERRORS),
             str(row["runs"]),
             f"{number(row, 'wall_s'):.3g}",
-            *(" / ".join(mean_and_error(row, statistic, joint) for joint in JOINTS) for statistic in MEANS),
+            *(" / ".join(_in_words(*_mean(row, statistic, joint)) for joint in JOINTS) for statistic in MEANS),
         ]
         for row in rows.rows
     ]
@@ -214,21 +206,15 @@ def _page(rows: Table) -> str:
     )
 
 
-def mean_and_error(row: Mapping[str, Cell], statistic: str, joint: int) -> str:
+def _mean(row: Mapping[str, Cell], statistic: str, joint: int) -> tuple[float, float]:
+    """Mean and standard error in the units of the label."""
+    mean, error = (number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
+    return MEANS[statistic][1] * mean, MEANS[statistic][1] * error
+
+
+def _in_words(mean: float, error: float) -> str:
     """Mean and, if it is known, its standard error, with as many digits as that allows."""
-    factor = MEANS[statistic][1]
-    mean, error = (factor * number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
     if not error > 0.0:
         return f"{mean:.3g}"
     digits = max(0, 1 - math.floor(math.log10(2.0 * error)))
     return f"{mean:.{digits}f} ± {error:.{digits}f}"
-
-
-def _draw_means(axis: Axes, rows: Table, statistic: str, joint: int, looks: dict[str, Look]) -> None:
-    axis.set_yscale("log")
-    factor = MEANS[statistic][1]
-    for row in rows.rows:
-        mean, error = (factor * number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
-        look = looks[str(row["level"])]
-        axis.errorbar([mean], [row["wall_s"]], xerr=_BAND * error, markersize=4.5, linewidth=0.8, **look)
-    use_decades(axis, "y")

@@ -5,7 +5,7 @@ A further integrator is one more row of METHODS.
 
 import importlib.util
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from solar_env.array import MODELS
 from solar_env.mechanics.integrators.settings import (
@@ -31,22 +31,20 @@ class Method:
         setting: what is varied: "rtol" or "step" [s].
         program: scene and setting to motion; raises SimulationError if the run cannot go on.
         settings: model -> values of the setting; a model that is not there is left out.
-        dear: model -> further values, long runs that only the full chart makes.
-        needs: distribution that must be installed besides the project.
+        peer: whether it is Exudyn's.
         panels: what the only flexible panels consist of that it takes, as "32 modes"; empty for those of the scene.
     """
 
     setting: str
     program: Program
     settings: Mapping[str, Settings]
-    dear: Mapping[str, Settings] = field(default_factory=dict)
-    needs: str | None = None
+    peer: bool = False
     panels: str = ""
 
     @property
     def available(self) -> bool:
         """Whether what the method needs is installed."""
-        return self.needs is None or importlib.util.find_spec(self.needs) is not None
+        return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
         """A scene with the method's panels.
@@ -132,15 +130,19 @@ METHODS: Mapping[str, Method] = {
     "Exudyn generalized-alpha": Method(
         "step",
         exudyn("generalized-alpha"),
-        {_RIGID: (1e-2, 1e-3, 1e-4), _LOOSE: (1e-4, 5e-5, 2e-5), _FLEXIBLE: (5e-3, 1e-3)},
-        dear={_FLEXIBLE: (1e-4,), _LOOSE_FLEXIBLE: (5e-4, 1e-4)},
-        needs="exudyn",
+        {
+            _RIGID: (1e-2, 1e-3, 1e-4),
+            _LOOSE: (1e-4, 5e-5, 2e-5),
+            _FLEXIBLE: (5e-3, 1e-3, 1e-4),
+            _LOOSE_FLEXIBLE: (5e-4, 1e-4),
+        },
+        peer=True,
     ),
     "Exudyn explicit": Method(
         "step",
         exudyn("explicit"),
         {_RIGID: (5e-2, 1e-2, 1e-3), _LOOSE: (5e-5, 2e-5, 1e-5)},
-        needs="exudyn",
+        peer=True,
     ),
 }
 
@@ -156,5 +158,5 @@ REFERENCES: Mapping[str, tuple[Reference, ...]] = {
 
 
 def peer_is_missing() -> bool:
-    """Whether a method must be left out because what it needs is not installed."""
-    return any(not method.available for method in METHODS.values())
+    """Whether Exudyn's methods must be left out because it is not installed."""
+    return importlib.util.find_spec("exudyn") is None

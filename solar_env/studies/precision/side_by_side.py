@@ -35,7 +35,7 @@ DEFAULT = "default settings"
 _LONG_RUN = 60.0  # s
 Entry = tuple[str, float]
 
-# Method and setting: own looser and tighter tolerances; the peer at its leanest, the first of which short plans take.
+# Method and setting: own looser and tighter tolerances; the peer at its leanest.
 OWN: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 5e-10)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
@@ -104,23 +104,22 @@ def _job(plan: ChartPlan, case: Case) -> Job:
     return Job(title, solve, repeats, _LONG_RUN)
 
 
-def side_by_side_jobs(plan: ChartPlan) -> dict[Case, Job]:
+def runs(plan: ChartPlan) -> dict[Case, Job]:
     """Whole deployments; with clearance also ensembles of the own ones, and the peer's with its forces kept."""
     cases: list[Case] = []
     for model in plan.models:
         own = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OWN[model])]
-        peer = [Case(model, *entry) for entry in (PEER[model] if plan.dear else PEER[model][:1])]
-        peer = [case for case in peer if METHODS[case.method].available]
+        peer = [Case(model, *entry) for entry in PEER[model] if METHODS[entry[0]].available]
         cases += [Case(model, _REFERENCE), *own, *peer]
         if model in CONVERGED:
             members = range(plan.ensemble_size)
             cases += [Case(model, _ENSEMBLE, member=member) for member in members]
             cases += [replace(case, member=member) for case in own for member in members[1:]]
-            cases += [replace(case, watched=True) for case in peer if plan.dear]
+            cases += [replace(case, watched=True) for case in peer]
     return {case: _job(plan, case) for case in cases}
 
 
-def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
+def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
     """Cost and errors of every method and setting."""
     rows: list[Row] = []
     for case, result in results.items():
@@ -135,7 +134,7 @@ def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> list
             "method": case.method,
             "panels": _panels(plan, case),
             "value": case.value,
-            "peer": int(case.method.startswith("Exudyn")),
+            "peer": int(case.method != DEFAULT and METHODS[case.method].peer),
             "failure": result.failure,
         }
         rows.append(labels | result.times() | errors_of(result.motion, reference, plan) | _force_ratios(case, results))
@@ -175,7 +174,7 @@ def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
     return dict(zip(names, [*means.tolist(), *errors.tolist()], strict=True))
 
 
-def draw_side_by_side(rows: Table, folder: Path) -> list[Path]:
+def draw(rows: Table, folder: Path) -> list[Path]:
     """Draw wall time against the error of angles, a column for each model, and write the table; returns the files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")

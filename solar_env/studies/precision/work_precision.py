@@ -37,7 +37,7 @@ _FITTED = 3  # settings
 _WIDTH, _HEIGHT, _LEAST_WIDTH = 2.15, 1.9, 6.4
 
 
-def work_precision_jobs(plan: ChartPlan) -> dict[Key, Job]:
+def runs(plan: ChartPlan) -> dict[Key, Job]:
     """Every method at every setting on every model, the reference runs included."""
     jobs: dict[Key, Job] = {}
     for model in plan.models:
@@ -45,10 +45,7 @@ def work_precision_jobs(plan: ChartPlan) -> dict[Key, Job]:
             (name, value)
             for name, method in METHODS.items()
             if method.available
-            for value in (
-                *method.settings.get(model, ())[: plan.settings],
-                *(method.dear.get(model, ()) if plan.dear else ()),
-            )
+            for value in method.settings.get(model, ())[: plan.settings]
         ]
         chosen += [(name, value) for name, values in REFERENCES[model] for value in values]
         for name, value in chosen:
@@ -58,7 +55,7 @@ def work_precision_jobs(plan: ChartPlan) -> dict[Key, Job]:
     return jobs
 
 
-def work_precision_rows(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
+def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
     """A row for every method at every setting, with the floor of its model and panels.
 
     Raises:
@@ -102,7 +99,7 @@ def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
     }
 
 
-def draw_work_precision(rows: Table, folder: Path) -> list[Path]:
+def draw(rows: Table, folder: Path) -> list[Path]:
     """Draw a column for each model and a row for each cost, and write the table in Markdown; returns the files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")

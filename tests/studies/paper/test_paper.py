@@ -190,9 +190,9 @@ def test_a_claim_is_judged_by_the_median_of_the_members(monkeypatch: pytest.Monk
 
 def test_where_in_the_range_of_an_open_parameter_a_claim_holds_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     finding = judged([0.5], {5.0: 1.0, 80.0: 0.5}, monkeypatch)
-    assert finding.holds_for == {"cable_stiffness": (5.0,)}
-    assert finding.fails_for == {"cable_stiffness": (20.0, 80.0)}, "the default included"
-    assert "holds for `cable_stiffness` 5, not 20, 80" in survey.as_markdown([finding])
+    assert finding.holds_for == {"cable_stiffness": [5.0]}
+    assert finding.fails_for == {"cable_stiffness": [20.0, 80.0]}, "the default included"
+    assert "holds at `cable_stiffness` 5, not 20, 80" in survey.as_markdown([finding])
     assert json.loads(survey.as_json([finding]))[0]["fails_for"] == {"cable_stiffness": [20.0, 80.0]}
 
 

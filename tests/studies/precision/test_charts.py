@@ -118,7 +118,7 @@ def test_drawing_without_tables_says_what_to_do(tmp_path, capsys):
 
 @pytest.mark.parametrize("study", charts.STUDIES)
 def test_the_runs_of_a_study_have_names_of_their_own_and_the_quick_plan_is_the_smaller(study):
-    full, quick = ([job.name for job in charts.STUDIES[study].jobs(plan).values()] for plan in (FULL, QUICK))
+    full, quick = ([job.name for job in charts.STUDIES[study].runs(plan).values()] for plan in (FULL, QUICK))
     assert len(set(full)) == len(full) > len(quick) > 0
 
 

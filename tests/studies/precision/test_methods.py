@@ -16,7 +16,7 @@ ONE = "1 element"
 
 def test_settings_run_from_the_coarsest_to_the_finest_and_none_is_finer_than_the_reference():
     for name, method in METHODS.items():
-        for settings in (*method.settings.values(), *method.dear.values()):
+        for settings in method.settings.values():
             assert list(settings) == sorted(settings, reverse=True), name
     assert set(REFERENCES) == set(MODELS)
     for model, references in REFERENCES.items():
@@ -35,7 +35,7 @@ def test_a_method_with_panels_of_its_own_takes_them_whatever_the_scene_says():
     assert taken == replace(scene, model="flexible-ideal:32 modes")
 
 
-@pytest.mark.parametrize("name", [name for name, method in METHODS.items() if method.needs is None])
+@pytest.mark.parametrize("name", [name for name, method in METHODS.items() if not method.peer])
 def test_every_own_method_moves_every_model_that_it_is_listed_for(name):
     ends = {}
     for model in METHODS[name].settings:

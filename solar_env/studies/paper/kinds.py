@@ -22,7 +22,7 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.style import COLOURS, FAINT, STEEL, STYLE
 from solar_env.studies.common.tables import Row, Table
 from solar_env.studies.paper.cases import EQ_40, JOINTS, MEMBERS, Member
-from solar_env.studies.paper.phases import greatest_force, phase_of
+from solar_env.studies.paper.measures import greatest_force, phase_of
 from solar_env.support.files import save_figure
 
 Array = NDArray[np.float64]

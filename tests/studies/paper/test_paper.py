@@ -15,7 +15,7 @@ from solar_env.array import ArrayParameters
 from solar_env.commands.studies import paper
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 from solar_env.studies.common.tables import read_table, write_table
-from solar_env.studies.paper import cases, kinds, measures, phases, survey
+from solar_env.studies.paper import cases, kinds, measures, survey
 from solar_env.studies.paper.claims import CLAIMS
 from solar_env.studies.paper.figures import FIGURES
 from solar_env.verification.arrays import theory
@@ -65,16 +65,16 @@ def test_what_the_other_cases_do_is_what_the_table_of_claims_says(key: str) -> N
 
 def test_the_initial_phase_ends_with_the_first_contact_that_lasts() -> None:
     motion = made([(1, 0.5, 13.2, 1.0), (0, 0.1, 0.101, 9.0), (0, 0.9, 13.1, 1.0), (0, 14.0, math.nan, 3.0)])
-    assert [phases.settled(motion, joint) for joint in (0, 1)] == [0.9, 0.5]
-    assert [int((phases.phase_of(motion, 0) == k).sum()) for k in (1, 2, 3)] == [90, 1210, 1701]
-    assert math.isnan(phases.settled(made([(0, 0.1, 0.101, 9.0)]), 0))
+    assert [measures.settled(motion, joint) for joint in (0, 1)] == [0.9, 0.5]
+    assert [int((measures.phase_of(motion, 0) == k).sum()) for k in (1, 2, 3)] == [90, 1210, 1701]
+    assert math.isnan(measures.settled(made([(0, 0.1, 0.101, 9.0)]), 0))
 
 
 def test_forces_by_window_hold_the_peaks_that_samples_miss() -> None:
     force = np.zeros((len(TIME), 2))
     force[TIME < 1.0, 0] = 2.0
     motion = made([(0, 1.5, 1.501, 70.0), (0, 0.0, 1.0, 5.0), (1, 0.5, 0.501, 9.0)], normal_force=force)
-    assert phases.greatest_force(motion, 0, np.array([0.0, 1.0, 2.0, 3.0])).tolist() == [2.0, 70.0, 0.0]
+    assert measures.greatest_force(motion, 0, np.array([0.0, 1.0, 2.0, 3.0])).tolist() == [2.0, 70.0, 0.0]
 
 
 def test_a_delayed_oscillation_lags() -> None:

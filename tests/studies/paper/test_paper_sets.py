@@ -7,7 +7,7 @@ from solar_env.__main__ import main
 from solar_env.array import ArrayParameters
 from solar_env.commands.studies.paper import FOLDER
 from solar_env.studies.common.tables import read_table
-from solar_env.studies.paper import phases, sets
+from solar_env.studies.paper import measures, sets
 from solar_env.studies.paper.cases import CASES, CaseRun, simulate_run
 from solar_env.studies.paper.claims import CLAIMS
 
@@ -75,7 +75,7 @@ def greatest_forces(changes):
     forces = {}
     for case, motion in motions_of(changes, ["rigid-clearance", "distribution-1", "distribution-2"]).items():
         edges = np.array([motion.latch_times.max() - 0.05, 14.5, 27.5, motion.time[-1]])
-        windows = np.max([phases.greatest_force(motion, joint, edges) for joint in (0, 1)], axis=0)
+        windows = np.max([measures.greatest_force(motion, joint, edges) for joint in (0, 1)], axis=0)
         forces[case] = np.maximum.accumulate(windows[::-1])[::-1]
     return forces
 

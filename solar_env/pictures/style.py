@@ -42,17 +42,14 @@ def _look(color: str, marker: str, linestyle: str = "-") -> Look:
     return {"color": color, "marker": marker, "linestyle": linestyle}
 
 
-# Lines are solid for the methods of this project, dashed for SciPy's and dotted for Exudyn's.
+# Lines are solid for the methods of this project, dotted for Exudyn's.
 METHOD_LOOKS: Mapping[str, Look] = {
     "default settings": _look("black", "h"),
     "runge-kutta": _look(BLUE, "o"),
     "rosenbrock": _look(VERMILLION, "s"),
     "modal-radau": _look(CRIMSON, "d"),
     "generalized-alpha": _look(GREEN, "D"),
-    "generalized-alpha, adaptive": _look(SKY, "^"),
     "paper's scheme": _look(PURPLE, "v"),
-    "SciPy DOP853": _look(GREY, "P", "--"),
-    "SciPy Radau": _look(OLIVE, "X", "--"),
     "Exudyn generalized-alpha": _look(ORANGE, "*", ":"),
     "Exudyn explicit": _look(BROWN, "<", ":"),
 }

@@ -5,41 +5,36 @@ from dataclasses import replace
 from typing import Any
 
 from solar_env.commands.study import Args
-from solar_env.support.campaigns import Campaign, each_done
+from solar_env.support.campaigns import each_done
 from solar_env.support.files import write_text
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
 from solar_env.support.terminal import print_markdown
 
 OPTIONS = ("only", "out", "readme", "jobs")
-LEVELS = "levels"
 FOLDER = STUDIES / "paper"
 SECTION = Section(FOLDER / "README.md", "claims", "solar-env study paper --readme")
-LEVELS_SECTION = Section(FOLDER / "README.md", "levels", "solar-env study paper --only levels --readme")
 
 
 def run(args: Args) -> int:
-    """Draw the figures of the paper, and judge its claims; --only: numbers of figures, without claims, or one other.
+    """Draw the figures of the paper, and judge its claims; --only: numbers of figures, without claims, or a set's name.
 
-    `levels` judges the claims on flexible panels over mesh and damping, the name of a set those for another set of what
-    the paper leaves open. With --readme pictures and claims go into the page, tables into ./paper.
+    The name of a set judges the claims for another set of what the paper leaves open. With --readme pictures and claims
+    go into the page, tables into ./paper.
     """
     from solar_env.studies.paper.sets import found_sets
 
     sets = found_sets()
-    if args.only == [LEVELS]:
-        return _judge_levels(args)
     if len(args.only) == 1 and args.only[0] in sets:
         return _judge_set(args, args.only[0], sets[args.only[0]])
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.paper.cases import CaseRun
     from solar_env.studies.paper.claims import CLAIMS
-    from solar_env.studies.paper.drawings import draw_figure
     from solar_env.studies.paper.figures import FIGURES
     from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs, summary
 
     numbers = {str(number): figure for number, figure in FIGURES.items()}
-    figures = [numbers[part] for part in args.parts([*numbers, LEVELS, *sets]) if part in numbers]
+    figures = [numbers[part] for part in args.parts([*numbers, *sets]) if part in numbers]
     if args.readme:
         SECTION.read()  # refuse a page without a place before everything is simulated
     out, pictures = args.folders("paper", None, FOLDER / "figures")
@@ -51,7 +46,7 @@ def run(args: Args) -> int:
             members = [{case: motions[CaseRun(case, member)] for case in figure.cases} for member in figure.members]
             table = out / f"{figure.stem}.csv"
             write_table(table, figure.table(members), provenance("paper", figure=figure.number, title=figure.title))
-            draw_figure(read_table(table), figure.kind, figure.heading, pictures / f"{figure.stem}.png")
+            figure.draw(read_table(table), pictures / f"{figure.stem}.png")
     if args.only:
         return 0
     findings = [judge(claim, motions) for claim in CLAIMS]
@@ -88,21 +83,4 @@ def _judge_set(args: Args, name: str, changes: Any) -> int:
     out, _ = args.folders("paper")
     write_text(out / f"claims-{name.replace(' ', '-')}.json", as_json(findings) + "\n")
     print_markdown(as_markdown(findings))
-    return 0
-
-
-def _judge_levels(args: Args) -> int:
-    """Judge the claims on flexible panels over mesh and damping; what is there of an earlier run is kept."""
-    from solar_env.studies.paper import levels
-
-    out, _ = args.folders("paper")
-    if args.readme:
-        LEVELS_SECTION.read()
-    campaign = Campaign(levels.measure, list(levels.cells()), out / levels.STORE)
-    text = levels.as_markdown(campaign.run_shown(args.workers, args.console, "deployments"))
-    if args.readme:
-        LEVELS_SECTION.write(text)
-    else:
-        write_text(out / "levels.md", text + "\n")
-    print_markdown(text)
     return 0

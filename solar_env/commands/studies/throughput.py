@@ -7,29 +7,26 @@ from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
 from solar_env.support.terminal import print_markdown
 
-OPTIONS = ("only", "quick", "out", "readme")
+OPTIONS = ("only", "out", "readme")
 FILE = "throughput.md"
 SECTION = Section(STUDIES / "throughput" / "README.md", "throughput", "solar-env study throughput --readme")
 
 
 def run(args: Args) -> int:
-    """Measure environment steps per second, by model; --quick compiles no kernels anew, which takes two minutes."""
-    from solar_env.studies.throughput.rate_tables import tables
-    from solar_env.studies.throughput.step_rates import measurements
+    """Measure environment steps per second, by model."""
+    from solar_env.studies.throughput.step_rates import as_markdown, measurements
 
-    plan = measurements(args.parts(MODELS), cold=not args.quick)
+    models = args.parts(MODELS)
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is measured
     else:
         folder, _ = args.folders("throughput")
-    results = {}
+    figures: dict[str, dict[str, float]] = {model: {} for model in models}
+    plan = measurements(models)
     with counting_bar(args.console) as bar:
-        task = bar.add_task("", total=len(plan))
-        for key, measure in plan.items():
-            bar.update(task, description=" ".join(map(str, key)))
-            results[key] = measure()
-            bar.advance(task)
-    text = tables(results)
+        for model, measure in bar.track(plan, description="step rates"):
+            figures[model] |= measure()
+    text = as_markdown(figures)
     print_markdown(text)
     if args.readme:
         SECTION.write(text)

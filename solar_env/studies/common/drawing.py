@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from solar_env.pictures.style import FAINT, STYLE, Look
+from solar_env.pictures.style import STYLE, Look
 from solar_env.support.files import save_figure
 
 _ENTRY = 1.9  # width of an entry of the legend [inch]
@@ -33,12 +33,6 @@ def make_figure(rows: int, columns: int, size: tuple[float, float], entries: int
         return figure, figure.subplots(rows, columns, squeeze=False)
 
 
-def positive_points(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The points that logarithmic axes can show, in their order."""
-    shown = np.isfinite(x) & np.isfinite(y) & (x > 0.0) & (y > 0.0)
-    return x[shown], y[shown]
-
-
 def use_decades(axis: Axes, which: str) -> None:
     """Label a logarithmic axis, "x" or "y", at decades, and within where they are few.
 
@@ -50,13 +44,6 @@ def use_decades(axis: Axes, which: str) -> None:
         own.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     own.set_major_formatter(lambda value, _: short(value))
     own.set_minor_formatter(NullFormatter())
-
-
-def draw_floor(axis: Axes, floor: float) -> None:
-    """Shade the errors below which references disagree."""
-    if np.isfinite(floor) and floor > 0.0:
-        axis.axvspan(0.0, floor, color=FAINT, alpha=0.5, linewidth=0.0, zorder=0)
-        axis.axvline(floor, color=FAINT, linewidth=0.8, zorder=0)
 
 
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:

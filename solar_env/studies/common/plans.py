@@ -46,7 +46,6 @@ class ChartPlan:
     before_latch: float = 12.0  # up to which angles are compared [s]
     settings: int | None = None  # how many of a method are measured, from the coarsest; None for all
     repeats: int = 3  # of every measured time
-    dear: bool = True  # whether methods are measured that take minutes
     ensemble_size: int = 16  # runs of an ensemble side by side, see `motion.perturbed`
     ensemble_duration: float = 16.0  # of the deployments of the study of convergence [s]
     levels: tuple[Ensemble, ...] = LEVELS  # of that study; the last of beams and of modes are the finest of each
@@ -65,7 +64,6 @@ QUICK = ChartPlan(
     before_latch=2.2,
     settings=2,
     repeats=1,
-    dear=False,
     ensemble_size=3,
     ensemble_duration=3.0,
     levels=SHORT_LEVELS,

@@ -2,8 +2,7 @@
 
 Y. Li, C. Wang and W. Huang, "Dynamics analysis of planar rigid-flexible coupling deployable solar array system with
 multiple revolute clearance joints", Mech. Syst. Signal Process. 117 (2019) 188-209 (below: the paper). `cases`
-simulates what it shows, `figures` turns that into one table per figure, `drawings` draws the tables, with what they
-show in the title (`conclusions`), `claims` turns its statements into measured figures, `survey` judges them, `levels`
-says which of them are the mesh's, and `sets` has other readings of what the paper leaves open. Imports `common`. A
-further claim is a row of `CLAIMS`.
+simulates what it shows, `figures` has its figures by number, each of one of the `kinds`, `claims` turns its statements
+into measured figures, `survey` judges them, and `sets` has other readings of what the paper leaves open. Imports
+`common`. A further claim is a row of `CLAIMS`.
 """

@@ -70,14 +70,9 @@ def simulate_run(run: CaseRun) -> Trajectory:
         ValueError: if a parameter is refused.
         SimulationError: if the run cannot go on.
     """
-    return simulate_case(run.case, ArrayParameters.preset("paper").with_changes(dict(run.changes)), run.member)
-
-
-def simulate_case(case: str, parameters: ArrayParameters, member: int, panels: str = PANELS) -> Trajectory:
-    """Simulate a case of an array that differs from the paper's, see `simulate_run`."""
-    own = CASES[case]
-    level = Level(with_panels(own.model, panels))
-    return level.deploy(parameters.with_changes(own.changes), member, DURATION, OUTPUT_STEP)
+    case = CASES[run.case]
+    parameters = ArrayParameters.preset("paper").with_changes(dict(run.changes)).with_changes(case.changes)
+    return Level(with_panels(case.model, PANELS)).deploy(parameters, run.member, DURATION, OUTPUT_STEP)
 
 
 # The four-bar linkage: the paper's data are not all published. Links of the default crank-rocker, 1 kg a metre; the

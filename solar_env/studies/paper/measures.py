@@ -1,6 +1,6 @@
 """Figures that are taken for the paper's statements, each of the deployments that a claim names, in their order.
 
-`of_joint`, `ratio`, `joint_2_over_1`, `over_joints` and `large_over_small` turn figures of any motion into such ones.
+`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` turn figures of any motion into such ones.
 """
 
 import math
@@ -8,32 +8,39 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import correlate, correlation_lags
+from scipy.stats import spearmanr
 
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.paper import phases
 from solar_env.studies.paper.cases import JOINTS
 
+Array = NDArray[np.float64]
 Figure = Callable[[Trajectory], float]
 FigureOfJoint = Callable[[Trajectory, int], float]
 Comparison = Callable[[Trajectory, Trajectory], float]
 
+LASTING = 0.05  # s; a contact that lasts so long is no impact: impacts last a millisecond, flights some milliseconds
+WINDOW = 0.25  # s; of the windows in which impacts and latch torques are compared
 TOUCH_TOLERANCE = 1e-6  # m; a journal that comes so near the wall touches it
 FIRST_PEAK = 0.4  # s; the first peak of a latch torque comes within this time of the latching
 LATE = 20.0  # s
 QUIET = (2.0, 12.5)  # s; of the deployment in which vibrations are compared, clear of the start and of the latching
+RUNNING_MEAN = 0.5  # s; what is slower is no vibration
+SLIDE = 0.1  # s; of the slide round the wall at latching
+LAGGING, LONGEST_LAG = 10.0, 1.0  # s; of the oscillations that are compared, and of their shift at most
 SETTLED = 0.25  # a lock torque has settled when it stays below this share of its greatest
 BURSTS = (15.74, 17.63, 20.59, 28.48, 29.33)  # s; when the paper's Fig 10 shows bursts of impacts
 LAST_BURSTS = 27.5  # s; the last two of them come after it
 
 
-def of_joint(figure: FigureOfJoint, joint: int) -> Figure:
-    """A figure of one joint."""
-    return lambda motion: figure(motion, joint)
-
-
 def ratio(figure: Figure) -> Comparison:
     """A figure of a motion over that of a second one."""
     return lambda motion, reference: figure(motion) / figure(reference)
+
+
+def both(choose: Callable[[Iterable[float]], float], figure: Callable[..., float]) -> Callable[..., float]:
+    """A figure of one motion, or of several, from those of both joints."""
+    return lambda *motions: choose(figure(*motions, joint=joint) for joint in JOINTS)
 
 
 def joint_2_over_1(figure: FigureOfJoint) -> Figure:
@@ -54,78 +61,123 @@ def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
     return lambda one, two: figure((two, one)[joint], joint) / figure((one, two)[joint], joint)
 
 
-def latch_time(motion: Trajectory, joint: int) -> float:
-    """When a joint latches [s]."""
-    return float(motion.latch_times[joint])
-
-
-def lead(motion: Trajectory) -> float:
-    """By how much joint 1 latches before joint 2 [s]."""
-    return latch_time(motion, 1) - latch_time(motion, 0)
+def contacts_of(motion: Trajectory, joint: int) -> NDArray[np.void]:
+    """The contacts of a joint in the order of their starts; those under way end with the run."""
+    own = motion.contacts[motion.contacts["joint"] == joint].copy()
+    own["end_s"] = np.where(np.isnan(own["end_s"]), motion.time[-1], own["end_s"])
+    return own[np.argsort(own["start_s"], kind="stable")]
 
 
 def settled(motion: Trajectory, joint: int) -> float:
-    """When the initial impacts of a joint end [s]."""
-    return phases.find_phases(motion, joint).settled
+    """When the initial impacts of a joint end [s]: at the first contact that lasts; nan if there is none."""
+    contacts = contacts_of(motion, joint)
+    lasting = contacts["start_s"][contacts["end_s"] - contacts["start_s"] >= LASTING]
+    return float(lasting[0]) if len(lasting) else np.nan
 
 
-def decay(motion: Trajectory) -> float:
-    """Rank correlation of the initial impacts' speeds with time, the greater one of both joints."""
-    initial = [phases.contacts_in(motion, joint, 1) for joint in JOINTS]
-    return max(phases.rank_correlation(impacts["start_s"], impacts["impact_speed"]) for impacts in initial)
+def contacts_in(motion: Trajectory, joint: int, phase: int) -> NDArray[np.void]:
+    """Contacts of a joint that start in a phase; the one that settles the joint counts with neither."""
+    contacts, first, latched = contacts_of(motion, joint), settled(motion, joint), motion.latch_times[joint]
+    start = contacts["start_s"]
+    return contacts[{1: start < first, 2: (start > first) & (start < latched), 3: start > latched}[phase]]
+
+
+def phase_of(motion: Trajectory, joint: int) -> NDArray[np.int64]:
+    """(nt,) phase of every sample: 1 initial, 2 deployment, 3 after latching."""
+    changes = settled(motion, joint), motion.latch_times[joint]
+    return 1 + np.sum([motion.time >= change for change in changes], axis=0)
+
+
+def greatest_force(motion: Trajectory, joint: int, edges: Array) -> Array:
+    """(k,) greatest contact force [N] in each of the windows between `edges` (k + 1,) [s].
+
+    Samples alone would miss the peaks of impacts, which last a millisecond.
+    """
+    greatest = _maxima(motion.time, np.abs(motion.normal_force[:, joint]), edges)
+    contacts = contacts_of(motion, joint)
+    short = contacts[contacts["end_s"] - contacts["start_s"] < LASTING]
+    return np.maximum(greatest, _maxima(short["start_s"], short["peak_force"], edges))
+
+
+def greatest_torque(motion: Trajectory, joint: int, edges: Array) -> Array:
+    """(k,) greatest magnitude of the latch torque [N m] in each of the windows between `edges` (k + 1,) [s]."""
+    return _maxima(motion.time, np.abs(motion.latch_torque[:, joint]), edges)
+
+
+def windows_after_latching(motion: Trajectory) -> Array:
+    """Edges [s] of windows of WINDOW from the last latching to the end of the run."""
+    return np.arange(float(np.nanmax(motion.latch_times)), motion.time[-1], WINDOW)
+
+
+def journal_angle(motion: Trajectory, joint: int) -> Array:
+    """(nt,) direction [rad] from the centre of the bearing to that of the journal, continuous; inertial axes."""
+    x, y = motion.eccentricity[:, joint].T
+    return np.unwrap(np.arctan2(y, x))
+
+
+def _maxima(time: Array, values: Array, edges: Array) -> Array:
+    """(k,) greatest value in each window; zero in windows without any."""
+    greatest = np.zeros(len(edges) - 1)
+    place = np.searchsorted(edges, time, side="right") - 1
+    inside = (place >= 0) & (place < len(greatest))
+    np.maximum.at(greatest, place[inside], values[inside])
+    return greatest
+
+
+def rank_correlation(a: Array, b: Array) -> float:
+    """Spearman's rank correlation of two signals: forces span decades."""
+    return float(spearmanr(a, b).statistic)
+
+
+def decay(motion: Trajectory, joint: int) -> float:
+    """Rank correlation of the initial impacts' speeds with time."""
+    initial = contacts_in(motion, joint, 1)
+    return rank_correlation(initial["start_s"], initial["impact_speed"])
 
 
 def one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
     """Length of the mean of the directions in which the journal touches: 1 for one side, 0 for both alike."""
-    touching = (phases.phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
-    return float(np.abs(np.exp(1j * phases.journal_angle(motion, joint)[touching]).mean()))
+    touching = (phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
+    return float(np.abs(np.exp(1j * journal_angle(motion, joint)[touching]).mean()))
 
 
-def flights(motion: Trajectory) -> float:
-    """Number of contacts that start during the deployment, of both joints."""
-    return float(sum(len(phases.contacts_in(motion, joint, 2)) for joint in JOINTS))
+def impacts(motion: Trajectory, joint: int, phase: int = 3) -> float:
+    """Number of contacts that start in a phase."""
+    return float(len(contacts_in(motion, joint, phase)))
 
 
-def force_in_deployment(motion: Trajectory) -> float:
-    """Greatest contact force of the deployment over that after latching, of both joints."""
-    quiet = [motion.normal_force[phases.phase_of(motion, joint) == 2, joint].max() for joint in JOINTS]
-    return float((np.array(quiet) / motion.postlock_peak_force).max())
+def force_in_deployment(motion: Trajectory, joint: int) -> float:
+    """Greatest contact force of the deployment over that after latching."""
+    quiet = motion.normal_force[phase_of(motion, joint) == 2, joint].max()
+    return float(quiet / motion.postlock_peak_force[joint])
+
+
+def time_of_turning(motion: Trajectory, joint: int) -> float:
+    """When [s], in the lasting contact of the deployment, the journal is furthest up or down."""
+    phase, height = phase_of(motion, joint), motion.eccentricity[:, joint, 1]
+    return float(motion.time[np.where(phase == 2, np.abs(height), -1.0).argmax()])
 
 
 def slide(motion: Trajectory, joint: int) -> float:
-    """Slide at latching [deg] as the paper sees it: its panels fold to the other side, so that it is mirrored."""
-    return -math.degrees(phases.slide_at_latching(motion, joint))
+    """Angle [deg] by which the journal slides round the wall within SLIDE of the latching, as the paper sees it.
 
-
-def circling(motion: Trajectory) -> float:
-    """Greatest angle [deg] by which a journal goes round its bearing within 0.1 s of latching."""
-    return max(abs(slide(motion, joint)) for joint in JOINTS)
-
-
-def impacts(motion: Trajectory, joint: int) -> float:
-    """Number of contacts that start after the latching."""
-    return float(len(phases.contacts_in(motion, joint, 3)))
-
-
-def all_impacts(motion: Trajectory) -> float:
-    """Number of contacts that start after latching, of both joints."""
-    return sum(impacts(motion, joint) for joint in JOINTS)
+    Its panels fold to the other side, so that it is mirrored: anticlockwise here is negative.
+    """
+    angle, start = journal_angle(motion, joint), float(motion.latch_times[joint])
+    window = (motion.time >= start) & (motion.time <= start + SLIDE)
+    moved = angle[window] - angle[window][0]
+    return -math.degrees(float(moved[np.abs(moved).argmax()]))
 
 
 def median_peak(motion: Trajectory, joint: int) -> float:
     """Median of the contacts' greatest forces after latching [N]."""
-    return float(np.median(phases.contacts_in(motion, joint, 3)["peak_force"]))
+    return float(np.median(contacts_in(motion, joint, 3)["peak_force"]))
 
 
-def postlock_peak(motion: Trajectory) -> float:
-    """Greatest contact force after latching [N], of both joints."""
-    return float(motion.postlock_peak_force.max())
-
-
-def window_forces(motion: Trajectory) -> NDArray[np.float64]:
+def window_forces(motion: Trajectory) -> Array:
     """(2, windows) greatest contact forces after latching [N]."""
-    edges = phases.windows_after_latching(motion)
-    return np.stack([phases.greatest_force(motion, joint, edges) for joint in JOINTS])
+    edges = windows_after_latching(motion)
+    return np.stack([greatest_force(motion, joint, edges) for joint in JOINTS])
 
 
 def window_force(motion: Trajectory, joint: int) -> float:
@@ -135,19 +187,19 @@ def window_force(motion: Trajectory, joint: int) -> float:
 
 def bursts(motion: Trajectory) -> float:
     """Rank correlation of forces and latch torques by windows."""
-    edges = phases.windows_after_latching(motion)
-    torques = np.sum([phases.greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
-    return phases.rank_correlation(window_forces(motion).max(axis=0), torques)
+    edges = windows_after_latching(motion)
+    torques = np.sum([greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
+    return rank_correlation(window_forces(motion).max(axis=0), torques)
 
 
 def synchrony(motion: Trajectory) -> float:
     """Rank correlation of both joints' forces by windows."""
-    return phases.rank_correlation(*window_forces(motion))
+    return rank_correlation(*window_forces(motion))
 
 
 def burst_rank(motion: Trajectory) -> float:
     """Mean rank, 0 to 1, of the greatest forces about the times of the paper's bursts among those of all windows."""
-    edges, forces = phases.windows_after_latching(motion), window_forces(motion).max(axis=0)
+    edges, forces = windows_after_latching(motion), window_forces(motion).max(axis=0)
     ranks = forces.argsort().argsort() / (len(forces) - 1)
     return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
 
@@ -155,16 +207,15 @@ def burst_rank(motion: Trajectory) -> float:
 def late_bursts(motion: Trajectory) -> float:
     """Greatest contact force after LAST_BURSTS over the greatest after latching, of both joints."""
     edges = np.array([LAST_BURSTS, motion.time[-1]])
-    return max(float(phases.greatest_force(motion, joint, edges)[0]) for joint in JOINTS) / postlock_peak(motion)
+    return max(float(greatest_force(motion, joint, edges)[0]) for joint in JOINTS) / float(
+        motion.postlock_peak_force.max()
+    )
 
 
-def first_latch_torque(motion: Trajectory) -> float:
-    """Greatest latch torque of either joint within FIRST_PEAK of its latching [N m]."""
-    peaks = []
-    for joint, latched in enumerate(motion.latch_times):
-        soon = (motion.time >= latched) & (motion.time <= latched + FIRST_PEAK)
-        peaks.append(np.abs(motion.latch_torque[soon, joint]).max())
-    return float(max(peaks))
+def first_latch_torque(motion: Trajectory, joint: int) -> float:
+    """Greatest latch torque within FIRST_PEAK of the latching [N m]."""
+    since = motion.time - motion.latch_times[joint]
+    return float(np.abs(motion.latch_torque[(since >= 0.0) & (since <= FIRST_PEAK), joint]).max())
 
 
 def lock_torque(motion: Trajectory, joint: int) -> float:
@@ -195,13 +246,34 @@ def swing(motion: Trajectory, joint: int) -> float:
 
 
 def vibration(motion: Trajectory) -> float:
-    """Vibration of the joint rates in the quiet part of the deployment [rad/s]."""
-    return phases.vibration(motion, *QUIET)
+    """Root mean square [rad/s] of the joint rates about their running mean, in the quiet part of the deployment."""
+    width = round(RUNNING_MEAN / float(motion.time[1] - motion.time[0]))
+    rates = motion.rates[(motion.time >= QUIET[0]) & (motion.time <= QUIET[1])]
+    means = np.stack([np.convolve(rate, np.ones(width) / width, "valid") for rate in rates.T], axis=1)
+    first = (width - 1) // 2
+    return float(np.sqrt(np.mean((rates[first : first + len(means)] - means) ** 2)))
 
 
-def lag(ideal: Trajectory, loose: Trajectory) -> float:
-    """Time by which the oscillation with clearance lags [s], the smaller one of both joints."""
-    return min(phases.lag(ideal, loose, joint) for joint in JOINTS)
+def lag(reference: Trajectory, motion: Trajectory, joint: int) -> float:
+    """Time [s] by which the oscillation of a joint after latching lags that of a reference.
+
+    The shift, within LONGEST_LAG, with the greatest cross-correlation of the angles over LAGGING from either one's
+    own last latching; a parabola through the maximum and its neighbours places it between samples.
+    """
+    step = float(motion.time[1] - motion.time[0])
+    signals, late = [], []
+    for one in (motion, reference):
+        latched = float(np.nanmax(one.latch_times))
+        start = int(np.searchsorted(one.time, latched))
+        late.append(float(one.time[start]) - latched)
+        angles = one.angles[start : start + round(LAGGING / step), joint]
+        signals.append(angles - angles.mean())
+    shifts = correlation_lags(len(signals[0]), len(signals[1]))
+    products = correlate(*signals) / (len(signals[0]) - np.abs(shifts))
+    top = int(np.where(np.abs(shifts) * step <= LONGEST_LAG, products, -np.inf).argmax())
+    before, here, after = products[top - 1 : top + 2]
+    between = 0.5 * (before - after) / (before - 2.0 * here + after)
+    return step * (float(shifts[top]) + float(between)) + late[0] - late[1]
 
 
 def density(one: Trajectory, two: Trajectory) -> float:

@@ -2,9 +2,8 @@
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -45,8 +44,8 @@ class Finding:
     least: float
     greatest: float
     agreeing: float
-    holds_for: Mapping[str, tuple[Value, ...]]
-    fails_for: Mapping[str, tuple[Value, ...]]
+    holds_for: Mapping[str, Sequence[Value]]
+    fails_for: Mapping[str, Sequence[Value]]
 
     @property
     def agrees(self) -> bool:
@@ -58,19 +57,15 @@ def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> li
     """All runs that the claims need, the longest first."""
     runs = [CaseRun(case, member) for claim in claims for case in claim.cases for member in range(members)]
     for claim in claims:
-        for changes in _range_changes(claim):
-            runs += [CaseRun(case, member, changes) for case in claim.cases for member in _range_members(claim)]
+        for parameter in claim.open_parameters:
+            for value in RANGES[parameter]:
+                changes = ((parameter, value),)
+                runs += [CaseRun(case, member, changes) for case in claim.cases for member in _range_members(claim)]
     return sorted(dict.fromkeys(runs), key=lambda run: not is_flexible(run.case))
 
 
 def _range_members(claim: Claim) -> range:
     return range(1 if claim.on_flexible_panels else RANGE_MEMBERS)
-
-
-def _range_changes(claim: Claim) -> Iterator[Changes]:
-    for parameter in claim.open_parameters:
-        for value in RANGES[parameter]:
-            yield ((parameter, value),)
 
 
 def judge(claim: Claim, motions: Motions) -> Finding:
@@ -81,28 +76,20 @@ def judge(claim: Claim, motions: Motions) -> Finding:
     """
     members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.changes})
     figures = _figures(claim, motions, members)
-    median = float(np.median(figures))
-    preset = ArrayParameters.preset("paper")
-    at = {parameter: {getattr(preset, parameter): median} for parameter in claim.open_parameters}
-    for changes in _range_changes(claim):
-        ((parameter, value),) = changes
-        at[parameter][value] = float(np.median(_figures(claim, motions, _range_members(claim), changes)))
-
-    def values(holding: bool) -> dict[str, tuple[Value, ...]]:
-        return {
-            parameter: tuple(value for value in sorted(found, key=_order) if claim.holds(found[value]) == holding)
-            for parameter, found in at.items()
-        }
-
-    return Finding(
-        claim=claim,
-        median=median,
-        least=float(figures.min()),
-        greatest=float(figures.max()),
-        agreeing=float(np.mean([claim.holds(figure) for figure in figures])),
-        holds_for=values(holding=True),
-        fails_for=values(holding=False),
-    )
+    median, preset = float(np.median(figures)), ArrayParameters.preset("paper")
+    holds_for: dict[str, list[Value]] = {}
+    fails_for: dict[str, list[Value]] = {}
+    for parameter in claim.open_parameters:
+        found = {getattr(preset, parameter): median}
+        for value in RANGES[parameter]:
+            own = _figures(claim, motions, _range_members(claim), ((parameter, value),))
+            found[value] = float(np.median(own))
+        # Numbers in their order, then names and what Eq 40 gives.
+        ordered = sorted(found, key=lambda value: (value if isinstance(value, float) else math.inf, str(value)))
+        for values, holding in ((holds_for, True), (fails_for, False)):
+            values[parameter] = [value for value in ordered if claim.holds(found[value]) == holding]
+    agreeing = float(np.mean([claim.holds(figure) for figure in figures]))
+    return Finding(claim, median, float(figures.min()), float(figures.max()), agreeing, holds_for, fails_for)
 
 
 def _figures(claim: Claim, motions: Motions, members: Iterable[int], changes: Changes = ()) -> np.ndarray:
@@ -112,23 +99,15 @@ def _figures(claim: Claim, motions: Motions, members: Iterable[int], changes: Ch
     )
 
 
-def _order(value: Value) -> tuple[bool, float, str]:
-    return (not isinstance(value, float), value if isinstance(value, float) else 0.0, str(value))
-
-
 def as_json(findings: Iterable[Finding]) -> str:
     """The findings as JSON text; what is not finite becomes null."""
-
-    def plain(value: float) -> float | None:
-        return value if math.isfinite(value) else None
-
     rows = []
     for one in findings:
         claim = one.claim
-        row: dict[str, Any] = {name: getattr(claim, name) for name in ("key", "statement", "paper", "unit")}
-        row |= {"low": plain(claim.low), "high": plain(claim.high)}
-        row |= {name: plain(getattr(one, name)) for name in ("median", "least", "greatest", "agreeing")}
-        row |= {"agrees": one.agrees, "holds_for": one.holds_for, "fails_for": one.fails_for}
+        row = {name: getattr(claim, name) for name in ("key", "statement", "paper", "unit", "low", "high")}
+        row |= {name: getattr(one, name) for name in ("median", "least", "greatest", "agreeing", "agrees")}
+        row = {name: None if isinstance(v, float) and not math.isfinite(v) else v for name, v in row.items()}
+        row |= {"holds_for": one.holds_for, "fails_for": one.fails_for}
         rows.append({**row, "why": "" if one.agrees else claim.why, "by_construction": claim.by_construction})
     return json.dumps(rows, indent=1)
 
@@ -150,17 +129,13 @@ def as_markdown(findings: Sequence[Finding]) -> str:
     rows = []
     for one in findings:
         claim = one.claim
-        values = f"{_number(one.median)} [{_number(one.least)}, {_number(one.greatest)}] {claim.unit}".strip()
-        rows.append((f"`{claim.key}`", claim.statement, claim.paper, values, _interval(claim), _verdict(one)))
+        values = f"{one.median:.4g} [{one.least:.4g}, {one.greatest:.4g}] {claim.unit}".strip()
+        ends = [f"{end:.4g}" for end in (claim.low, claim.high)]
+        interval = " to ".join(ends).replace("-inf to", "to")
+        if claim.high == math.inf:
+            interval = f"from {ends[0]}"
+        rows.append((f"`{claim.key}`", claim.statement, claim.paper, values, interval, _verdict(one)))
     return f"{summary(findings)}\n\n{markdown_table(columns, rows)}"
-
-
-def _interval(claim: Claim) -> str:
-    if math.isinf(claim.high):
-        return f"from {_number(claim.low)}"
-    if math.isinf(claim.low):
-        return f"to {_number(claim.high)}"
-    return f"{_number(claim.low)} to {_number(claim.high)}"
 
 
 def _verdict(finding: Finding) -> str:
@@ -171,24 +146,17 @@ def _verdict(finding: Finding) -> str:
         words += f" by construction: {chosen} chosen for it"
     if 0.0 < finding.agreeing < 1.0:
         words += f" ({finding.agreeing:.0%} of the runs agree)"
-    everywhere: list[str] = []
-    nowhere: list[str] = []
+    places = []
     for parameter, held in finding.holds_for.items():
         failed = finding.fails_for[parameter]
-        if held and failed:
-            words += f"; holds for `{parameter}` {_listed(held)}, not {_listed(failed)}"
-        else:
-            (everywhere if held else nowhere).append(f"`{parameter}`")
-    if everywhere:
-        words += f"; holds for every tested {', '.join(everywhere)}"
-    if nowhere:
-        words += f"; for no tested {', '.join(nowhere)}"
-    return words
+        name = f"`{parameter}`"
+        places.append(
+            f"{name} {_listed(held)}, not {_listed(failed)}"
+            if held and failed
+            else f"{'every' if held else 'no'} {name}"
+        )
+    return "; holds at ".join(filter(None, (words, "; at ".join(places))))
 
 
 def _listed(values: Iterable[Value]) -> str:
     return ", ".join("by Eq 40" if v is None else v if isinstance(v, str) else f"{v:g}" for v in values)
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}"

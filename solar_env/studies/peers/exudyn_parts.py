@@ -1,9 +1,8 @@
-"""Parts that the rigid and the flexible array in Exudyn share."""
+"""Parts that all arrays in Exudyn share: main body, joints, torques, latches and what is recorded."""
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any
 
 import exudyn
@@ -11,7 +10,6 @@ import exudyn.itemInterface
 import numpy as np
 from exudyn.utilities import CreateSymbolicUserFunction
 
-from solar_env.array import ArrayParameters
 from solar_env.mechanics.mechanism.description import Stop
 from solar_env.studies.common.motion import Scene
 
@@ -19,43 +17,41 @@ items = exudyn.itemInterface
 _SENSES = (1.0, -1.0)  # of the two joint angles as differences of the bodies' rotations
 
 
-@dataclass
-class PeerArray:
+class PeerArray(ABC):
     """An assembled array.
 
     Attributes:
-        scene: what it is the array of.
-        container: owner of the system, which must outlive it.
+        scene, p: what it is the array of, and its parameters.
         system: to be solved.
-        rotations: (coordinates, velocities) sensors of the nodes that the joint angles follow from.
+        watched: (node, coordinate, value at rest) of the coordinates that the joint angles follow from.
+        sensors: node -> sensors of its coordinates and velocities.
         contacts: sensors of the joints' contact forces, empty without clearance or if not asked for.
         latch_times: of the joints [s], nan while open; filled while the system is solved.
-        kept_alive: Python functions that the library calls.
     """
 
-    scene: Scene
-    container: Any
-    system: Any
-    rotations: list[tuple[Any, Any]] = field(default_factory=list)
-    contacts: list[Any] = field(default_factory=list)
-    latch_times: list[float] = field(default_factory=lambda: [math.nan, math.nan])
-    kept_alive: list[Any] = field(default_factory=list)
-
-
-class Builder(ABC):
-    """Steps that all three builds share."""
-
-    def __init__(self, array: PeerArray) -> None:
-        self.array, self.system = array, array.system
-        self.p: ArrayParameters = array.scene.parameters
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.p = scene, scene.parameters
+        self._container = exudyn.SystemContainer()  # owns the system, which it must outlive
+        self.system = self._container.AddSystem()
+        self.watched: list[tuple[int, int, float]] = []
+        self.sensors: dict[int, tuple[Any, Any]] = {}
+        self.contacts: list[Any] = []
+        self.latch_times = [math.nan, math.nan]
+        self._kept_alive: list[Any] = []  # Python functions that the library calls
         self.mass = self.p.panel_density * self.p.panel_length * self.p.panel_width * self.p.panel_thickness
         self.inertia = self.mass * (self.p.panel_length**2 + self.p.panel_thickness**2) / 12.0
         ground = self.system.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
         self.ground = self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+        latches = self.build()
+        self._add_latches(latches)
 
     @abstractmethod
-    def build(self) -> None:
-        """Add everything to the system and assemble it."""
+    def build(self) -> list[tuple[int, int]]:
+        """Add everything but the latches; returns the (marker, marker) coordinates that these act on."""
+
+    @abstractmethod
+    def angles(self, *values: Any) -> tuple[Any, Any]:
+        """Joint angles [rad] from the values of the watched coordinates."""
 
     def release(self) -> list[tuple[float, float]]:
         """Speed along x of the inner end [m/s] and spin [rad/s] of each folded panel at t = 0."""
@@ -92,19 +88,16 @@ class Builder(ABC):
         """Join (bearing, journal) markers, with clearance or without."""
         p, system = self.p, self.system
         for j, (bearing, journal) in enumerate(markers):
-            if not self.array.scene.level.clearance:
+            if not self.scene.level.clearance:
                 system.AddObject(items.ObjectJointRevolute2D(markerNumbers=[bearing, journal]))
                 continue
-            data = system.AddNode(
-                items.NodeGenericData(
-                    initialCoordinates=[p.by_joint("clearance", j), 0, 0, 0], numberOfDataCoordinates=4
-                )
-            )
+            clearance = p.by_joint("clearance", j)
+            data = items.NodeGenericData(initialCoordinates=[clearance, 0, 0, 0], numberOfDataCoordinates=4)
             contact = system.AddObject(
                 items.ObjectContactSphereSphere(
                     markerNumbers=[journal, bearing],
-                    nodeNumber=data,
-                    spheresRadii=[p.journal_radius, p.journal_radius + p.by_joint("clearance", j)],
+                    nodeNumber=system.AddNode(data),
+                    spheresRadii=[p.journal_radius, p.journal_radius + clearance],
                     isHollowSphere1=True,
                     dynamicFriction=p.by_joint("friction_coefficient", j),
                     frictionProportionalZone=p.by_joint("friction_speed_full", j),
@@ -115,54 +108,60 @@ class Builder(ABC):
                     minimumImpactVelocity=p.by_joint("minimum_impact_speed", j),
                 )
             )
-            if self.array.scene.forces_kept:
-                sensor = self.sensor(items.SensorObject, contact, exudyn.OutputVariableType.Force)
-                self.array.contacts.append(sensor)
+            if self.scene.forces_kept:
+                force = exudyn.OutputVariableType.Force
+                sensor = items.SensorObject(objectNumber=contact, storeInternal=True, outputVariableType=force)
+                self.contacts.append(system.AddSensor(sensor))
 
-    def sensor(self, kind: Any, number: int, what: Any) -> Any:
-        """A sensor of a node or an object that keeps its data in memory."""
-        owner = "objectNumber" if kind is items.SensorObject else "nodeNumber"
-        return self.system.AddSensor(kind(**{owner: number}, storeInternal=True, outputVariableType=what))
+    def watch(self, *coordinates: tuple[int, int, float]) -> None:
+        """Keep (node, coordinate, value at rest) and their rates, in the order that `angles` takes."""
+        self.watched = list(coordinates)
+        for node, _, _ in coordinates:
+            if node not in self.sensors:
+                kinds = exudyn.OutputVariableType.Coordinates, exudyn.OutputVariableType.Coordinates_t
+                place, rate = (
+                    self.system.AddSensor(
+                        items.SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=kind)
+                    )
+                    for kind in kinds
+                )
+                self.sensors[node] = place, rate
 
-    def watch(self, nodes: list[int]) -> None:
-        """Keep coordinates and velocities of nodes."""
-        kinds = exudyn.OutputVariableType.Coordinates, exudyn.OutputVariableType.Coordinates_t
-        self.array.rotations = [tuple(self.sensor(items.SensorNode, node, kind) for kind in kinds) for node in nodes]
-
-    def latches(self, coordinates: list[tuple[int, int]], angles: Callable[[], tuple[float, float]]) -> None:
+    def _add_latches(self, coordinates: list[tuple[int, int]]) -> None:
         """Stops on (marker, marker) coordinates, engaged at the first step beyond the lock angle; ends the build."""
-        system, array = self.system, self.array
-        objects = []
+        system, latch_times, objects = self.system, self.latch_times, []
+        locks = [joint.lock_angle for joint in self.p.joints]
         for j, pair in enumerate(coordinates):
             latch = system.AddObject(
                 items.ObjectConnectorCoordinateSpringDamper(
                     markerNumbers=list(pair), stiffness=self.p.stop(j).stiffness, damping=0.0, activeConnector=False
                 )
             )
-            torque = _stop_expression(self.p.stop(j), _SENSES[j] * self.p.joints[j].lock_angle)
+            torque = _stop_expression(self.p.stop(j), _SENSES[j] * locks[j])
             symbolic = CreateSymbolicUserFunction(system, torque, "springForceUserFunction", latch)
             system.SetObjectParameter(latch, "springForceUserFunction", symbolic)
-            array.kept_alive += [torque, symbolic]
+            self._kept_alive += [torque, symbolic]
             objects.append(latch)
         system.Assemble()
+        places = [(system.systemData.GetNodeLTGODE2(node)[k], start) for node, k, start in self.watched]
         before = [0.0, 0.0, 0.0]  # time and angles at the start of the previous step
         called = [0.0, 0.0]  # the last two different times of calls
 
         def engage(mbs: Any, time: float) -> bool:
-            if math.isnan(array.latch_times[0] + array.latch_times[1]):
+            if math.isnan(latch_times[0] + latch_times[1]):
                 # Called with the time that the step is to reach; again if the step is repeated with half its size.
                 called[:] = [called[1] if time > called[1] else called[0], time]
-                start, now = called[0], angles()
+                q = system.systemData.GetODE2Coordinates()
+                start, now = called[0], self.angles(*(q[place] + rest for place, rest in places))
                 for j, angle in enumerate(now):
-                    lock = self.p.joints[j].lock_angle
-                    if math.isnan(array.latch_times[j]) and angle >= lock:
-                        share = (lock - before[1 + j]) / (angle - before[1 + j])
-                        array.latch_times[j] = before[0] + share * (start - before[0])
+                    if math.isnan(latch_times[j]) and angle >= locks[j]:
+                        share = (locks[j] - before[1 + j]) / (angle - before[1 + j])
+                        latch_times[j] = before[0] + share * (start - before[0])
                         mbs.SetObjectParameter(objects[j], "activeConnector", True)
                 before[:] = [start, *now]
             return True
 
-        array.kept_alive.append(engage)
+        self._kept_alive.append(engage)
         system.SetPreStepUserFunction(engage)
 
 

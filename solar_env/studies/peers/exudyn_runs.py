@@ -11,8 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.motion import Motion, Scene
-from solar_env.studies.peers.exudyn_beams import joint_angles
-from solar_env.studies.peers.exudyn_model import build_peer
+from solar_env.studies.peers.exudyn_arrays import build_peer
 from solar_env.studies.peers.exudyn_parts import PeerArray
 
 Array = NDArray[np.float64]
@@ -85,22 +84,13 @@ def _settings(scene: Scene, step: float) -> Any:
 
 def _angles(array: PeerArray) -> Array:
     """(nt, 2) joint angles [rad] at the scene's sample times, by Hermite interpolation between the sensors' data."""
-    histories = [[array.system.GetSensorStoredData(sensor) for sensor in pair] for pair in array.rotations]
-    times, rows = np.unique(histories[0][0][:, 0], return_index=True)
-
-    def at_samples(node: int, column: int, start: float = 0.0) -> Array:
-        place, rate = (history[rows, 1 + column] for history in histories[node])
-        return np.asarray(CubicHermiteSpline(times, place + start, rate)(array.scene.sample_times))
-
-    if len(histories) == 1:  # a kinematic tree
-        first, second = at_samples(0, 3), -at_samples(0, 4)
-    elif len(histories) == 3:
-        base, inner, outer = (at_samples(node, 2) for node in range(3))
-        first, second = inner - base, inner - outer
-    else:
-        slopes = [(at_samples(node, 2), at_samples(node, 3, start)) for node, start in ((1, -1.0), (2, -1.0), (3, 1.0))]
-        first, second = joint_angles(at_samples(0, 2), *slopes)
-    return np.unwrap(np.stack([first, second], axis=1), axis=0)
+    values = []
+    for node, column, rest in array.watched:
+        places, rates = (array.system.GetSensorStoredData(sensor) for sensor in array.sensors[node])
+        times, rows = np.unique(places[:, 0], return_index=True)
+        spline = CubicHermiteSpline(times, places[rows, 1 + column] + rest, rates[rows, 1 + column])
+        values.append(spline(array.scene.sample_times))
+    return np.unwrap(np.stack(array.angles(*values), axis=1), axis=0)
 
 
 def _peak_forces(array: PeerArray) -> dict[str, Array]:

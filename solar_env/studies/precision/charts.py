@@ -1,7 +1,7 @@
 """Table of the studies of speed against accuracy; measuring them into tables, drawing from tables."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,37 +10,18 @@ from rich.console import Console
 from solar_env.array.methods import compilation_note
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
-from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
-from solar_env.studies.common.timing import Job, Measured, measure
-from solar_env.studies.precision.convergence import convergence_jobs, convergence_rows
-from solar_env.studies.precision.convergence_plot import draw_convergence
+from solar_env.studies.common.tables import provenance, read_table, write_table
+from solar_env.studies.common.timing import measure
+from solar_env.studies.precision import convergence, side_by_side, work_precision
 from solar_env.studies.precision.methods import METHODS, MISSING_PEER, peer_is_missing
-from solar_env.studies.precision.side_by_side import side_by_side_jobs, side_by_side_rows
-from solar_env.studies.precision.side_by_side_page import write_side_by_side
-from solar_env.studies.precision.work_precision import work_precision_jobs, work_precision_rows
-from solar_env.studies.precision.work_precision_plot import draw_work_precision
 from solar_env.support.progress import counting_bar
 
-
-@dataclass(frozen=True)
-class Study:
-    """One study: its table has its name.
-
-    Attributes:
-        jobs: plan to the runs by key.
-        rows: plan and what came of each run, by key, to the rows of the table.
-        draw: table and folder to the files drawn.
-    """
-
-    jobs: Callable[[ChartPlan], dict[Any, Job]]
-    rows: Callable[[ChartPlan, dict[Any, Measured]], list[Row]]
-    draw: Callable[[Table, Path], list[Path]]
-
-
-STUDIES = {
-    "work-precision": Study(work_precision_jobs, work_precision_rows, draw_work_precision),
-    "convergence": Study(convergence_jobs, convergence_rows, draw_convergence),
-    "side-by-side": Study(side_by_side_jobs, side_by_side_rows, write_side_by_side),
+# A study has a table with its name. Its module has `runs`, a plan to jobs by key; `tabulate`, a plan and what came of
+# each job to the rows of the table; and `draw`, a table and a folder to the files drawn.
+STUDIES: dict[str, Any] = {
+    "work-precision": work_precision,
+    "convergence": convergence,
+    "side-by-side": side_by_side,
 }
 
 
@@ -54,7 +35,7 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
     plan = QUICK if quick else FULL
     if peer_is_missing():
         console.print(MISSING_PEER, highlight=False, markup=False, soft_wrap=True)
-    jobs = {name: STUDIES[name].jobs(plan) for name in names}
+    jobs = {name: STUDIES[name].runs(plan) for name in names}
     with counting_bar(console) as progress:
         total = sum(map(len, jobs.values()))
         task = progress.add_task(f"loading kernels{compilation_note(INTEGRATORS)}", total=total)
@@ -62,16 +43,16 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
         for name in names:
             results = measure(jobs[name], lambda run: progress.update(task, advance=1, description=run))
             made_by = provenance(f"solar-env study precision --only {name}{' --quick' if quick else ''}")
-            write_table(folder / table_file(name), STUDIES[name].rows(plan, results), made_by)
+            write_table(folder / table_file(name), STUDIES[name].tabulate(plan, results), made_by)
 
 
 def warm_up(plan: ChartPlan) -> None:
     """Run a moment of every method and model, so that compiling and loading are not measured."""
-    for model in plan.models:
-        for method in METHODS:
-            settings = method.settings.get(model, ())
-            if method.available and settings:
-                method.solve(replace(plan.deployment(model), duration=1e-3, sample_step=1e-3), settings[-1])
+    for method in METHODS.values():
+        for model in plan.models:
+            if method.available and model in method.settings:
+                scene = replace(plan.deployment(model), duration=1e-3, sample_step=1e-3)
+                method.solve(scene, method.settings[model][-1])
 
 
 def draw(names: Sequence[str], tables: Path, figures: Path) -> list[Path]:

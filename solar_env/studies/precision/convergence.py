@@ -5,23 +5,40 @@ compared are the means of ensembles, whose runs are released at slightly differe
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 
-from solar_env.array.level import MODES
+from solar_env.array.level import ELEMENTS, MODES
+from solar_env.pictures.style import LEVEL_LOOKS, STYLE, look_of
+from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.levels import Level
-from solar_env.studies.common.measures import angle_error, force_error, latch_error
+from solar_env.studies.common.measures import force_error
 from solar_env.studies.common.motion import Motion, Scene, perturbed, run_own
 from solar_env.studies.common.plans import ChartPlan, Ensemble
-from solar_env.studies.common.tables import Row
+from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
+from solar_env.studies.precision.curves import ERRORS as METHOD_ERRORS
+from solar_env.studies.precision.curves import draw_curves
+from solar_env.studies.precision.work_precision import errors_of
+from solar_env.support.files import write_text
+from solar_env.support.markdown import markdown_table
 
-RIGID = "rigid"
-STATISTICS = ("peak_force_N", "sliding_work_J", "impacts", "wear_depth_m")
-"""Totals of a `Motion` whose means over an ensemble are compared, each joint's after the first latching."""
+ERRORS = {**METHOD_ERRORS, "reaction_error": "error of peak reactions"}
+# Totals of a `Motion` whose means over an ensemble are compared: label, and how many of its units make one of theirs.
+MEANS = {
+    "peak_force_N": ("peak force [N]", 1.0),
+    "sliding_work_J": ("sliding work [mJ]", 1e3),
+    "impacts": ("number of impacts", 1.0),
+    "wear_depth_m": ("deepest wear [fm]", 1e15),
+}
+JOINTS = (1, 2)
+_BEYOND = 3.0  # standard errors that ten differences of equal means hardly ever exceed
+_BAND = 1.96  # standard errors on either side of a mean, for 95 %
 
 # Level, and the member of its ensemble with clearance; None for the run with ideal joints.
 Key = tuple[Ensemble, int | None]
@@ -29,7 +46,7 @@ Key = tuple[Ensemble, int | None]
 
 def family(level: Ensemble) -> str:
     """Kind of the panels: "rigid", "elements" or "modes"."""
-    return _level(level, "ideal").panels.unit or RIGID
+    return _level(level, "ideal").panels.unit or "rigid"
 
 
 def _level(level: Ensemble, joint: str) -> Level:
@@ -37,24 +54,21 @@ def _level(level: Ensemble, joint: str) -> Level:
     return Level(model, level.tighter)
 
 
-def _keys(plan: ChartPlan) -> Iterator[Key]:
-    """With clearance member by member, so that what disturbs the machine meets all levels alike."""
-    yield from ((level, None) for level in plan.levels)
-    for member in range(max(level.members for level in plan.levels)):
-        yield from ((level, member) for level in plan.levels if member < level.members)
+def runs(plan: ChartPlan) -> dict[Key, Job]:
+    """A deployment with ideal joints, and an ensemble with clearance, at every level.
 
-
-def convergence_jobs(plan: ChartPlan) -> dict[Key, Job]:
-    """A deployment with ideal joints, and an ensemble with clearance, at every level."""
+    With clearance member by member, so that what disturbs the machine meets all levels alike.
+    """
     jobs: dict[Key, Job] = {}
-    for ensemble, member in _keys(plan):
-        level = _level(ensemble, "ideal" if member is None else "clearance")
-        solve = partial(run_level, level, replace(plan.deployment(level.model), duration=plan.ensemble_duration))
-        name = f"convergence, {level.name}"
-        if member is None:
-            jobs[ensemble, member] = Job(name, solve, plan.repeats)
-        else:
-            jobs[ensemble, member] = Job(f"{name}, run {member + 1}", partial(solve, member))
+    for member in (None, *range(max(level.members for level in plan.levels))):
+        for ensemble in plan.levels:
+            if member is not None and member >= ensemble.members:
+                continue
+            level = _level(ensemble, "ideal" if member is None else "clearance")
+            scene = replace(plan.deployment(level.model), duration=plan.ensemble_duration)
+            name = f"convergence, {level.name}" + ("" if member is None else f", run {member + 1}")
+            solve = partial(run_level, level, scene, member or 0)
+            jobs[ensemble, member] = Job(name, solve, plan.repeats if member is None else 1)
     return jobs
 
 
@@ -68,7 +82,7 @@ def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
     return run_own(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
-def convergence_rows(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
+def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
     """A row for every level: cost and errors with ideal joints, then means of its ensemble with clearance.
 
     Raises:
@@ -89,8 +103,7 @@ def convergence_rows(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]
             "duration_s": plan.ensemble_duration,
             "reference": _level(finest, "ideal").size,
             "wall_ideal_s": ideal.wall,
-            "angle_error_rad": angle_error(ideal.motion, reference, plan.before_latch),
-            "latch_error_s": latch_error(ideal.motion, reference),
+            **errors_of(ideal.motion, reference, plan),
             "reaction_error": force_error(ideal.motion, reference),
         }
         rows.append(labels | _means([results[level, member] for member in range(level.members)]))
@@ -102,9 +115,106 @@ def _means(ensemble: list[Measured]) -> Row:
     ended = [(result.wall, result.motion.totals) for result in ensemble if result.motion is not None]
     count = len(ended)
     row: Row = {"runs": count, "wall_s": float(np.median([wall for wall, _ in ended])) if ended else math.nan}
-    for statistic in STATISTICS:
+    for statistic in MEANS:
         values = np.array([totals[statistic] for _, totals in ended]).reshape(count, -1)
         for joint, column in enumerate(values.T, start=1):
             row[f"{statistic}_{joint}"] = float(column.mean())
             row[f"{statistic}_{joint}_error"] = float(column.std(ddof=1)) / math.sqrt(count) if count > 1 else math.nan
     return row
+
+
+def draw(rows: Table, folder: Path) -> list[Path]:
+    """Draw errors with ideal joints and means with clearance against wall time, and write both; returns the files."""
+    looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
+    figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
+    with mpl.rc_context(STYLE):
+        for axis, (error, label) in zip(axes[0], ERRORS.items(), strict=False):
+            draw_curves(axis, rows, error, "wall_ideal_s", looks, by="level")
+            axis.set_title(f"ideal joints, against {rows.rows[0]['reference']}")
+            axis.set_xlabel(label)
+        for axis in axes[0, len(ERRORS) :]:
+            axis.set_axis_off()
+        for joint, line in zip(JOINTS, axes[1:], strict=True):
+            for axis, (statistic, (label, _)) in zip(line, MEANS.items(), strict=True):
+                for row in rows.rows:
+                    (mean, spread), look = _mean(row, statistic, joint), looks[str(row["level"])]
+                    axis.errorbar([mean], [row["wall_s"]], xerr=_BAND * spread, markersize=4.5, linewidth=0.8, **look)
+                axis.set_yscale("log")
+                use_decades(axis, "y")
+                axis.set_title(f"clearance, joint {joint}")
+                axis.set_xlabel(label)
+        for axis in axes[:, 0]:
+            axis.set_ylabel("wall time [s]")
+    picture, page = folder / "convergence.png", folder / "convergence.md"
+    note = "with clearance: after the first latching (wear: of the whole run), means and their 95 % bands"
+    save(figure, picture, looks, conclusion(rows), note)
+    write_text(page, _page(rows))
+    return [picture, page]
+
+
+def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str) -> tuple[float, float]:
+    """How far the mean of one ensemble is from that of another, relative to the latter, and the standard error of that.
+
+    Runs of both are taken to scatter alike, for one of them may have few.
+    """
+    means = [number(row, name) for row in (first, second)]
+    counts = [number(row, "runs") for row in (first, second)]
+    if means[1] == 0.0 or sum(counts) < 3:
+        return math.nan, math.nan
+    errors = [number(row, f"{name}_error") for row in (first, second)]
+    squares = np.nansum([error**2 * count * (count - 1) for error, count in zip(errors, counts, strict=True)])
+    scatter = math.sqrt(squares / (sum(counts) - 2) * sum(1.0 / count for count in counts))
+    return means[0] / means[1] - 1.0, scatter / abs(means[1])
+
+
+def conclusion(rows: Table) -> str:
+    """Whether the finest of beams and the finest of modes have the same means, and by how much they differ most."""
+    beams, modes = (rows.where(family=kind).rows[-1] for kind in (ELEMENTS, MODES))
+    found = [
+        (*difference(beams, modes, f"{statistic}_{joint}"), f"{label.partition(' [')[0]} of joint {joint}")
+        for joint in JOINTS
+        for statistic, (label, _) in MEANS.items()
+    ]
+    found = [entry for entry in found if math.isfinite(entry[0])]
+    if not found:
+        return "Nothing was struck: no joint has latched"
+    beyond = [entry for entry in found if abs(entry[0]) > _BEYOND * entry[1]]
+    change, error, what = max(beyond or found, key=lambda entry: abs(entry[0]))
+    words = "have not met" if beyond else "go to one limit within sampling"
+    names = f"{beams['level']} and {modes['level']}"
+    return f"Beams and modes {words}: {names} differ by {change:+.1%} ± {error:.1%} at most, in the {what}"
+
+
+def _page(rows: Table) -> str:
+    """The table in Markdown, and the conclusion."""
+    columns = ("level", "ideal joints: wall time [s]", *ERRORS.values(), "clearance: runs", "wall time [s]")
+    lines = [
+        [
+            str(row["level"]),
+            f"{number(row, 'wall_ideal_s'):.3g}",
+            *(f"{number(row, error):.1e}" for error in ERRORS),
+            str(row["runs"]),
+            f"{number(row, 'wall_s'):.3g}",
+            *(" / ".join(_in_words(*_mean(row, statistic, joint)) for joint in JOINTS) for statistic in MEANS),
+        ]
+        for row in rows.rows
+    ]
+    return (
+        f"Errors with ideal joints against {rows.rows[0]['reference']}; with clearance, means of joints 1 / 2 ± their "
+        f"standard errors:\n\n"
+        f"{markdown_table((*columns, *(label for label, _ in MEANS.values())), lines)}\n\n{conclusion(rows)}.\n"
+    )
+
+
+def _mean(row: Mapping[str, Cell], statistic: str, joint: int) -> tuple[float, float]:
+    """Mean and standard error in the units of the label."""
+    mean, error = (number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
+    return MEANS[statistic][1] * mean, MEANS[statistic][1] * error
+
+
+def _in_words(mean: float, error: float) -> str:
+    """Mean and, if it is known, its standard error, with as many digits as that allows."""
+    if not error > 0.0:
+        return f"{mean:.3g}"
+    digits = max(0, 1 - math.floor(math.log10(2.0 * error)))
+    return f"{mean:.{digits}f} ± {error:.{digits}f}"

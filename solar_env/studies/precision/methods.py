@@ -5,7 +5,7 @@ A further integrator is one more row of METHODS.
 
 import importlib.util
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from solar_env.array import MODELS
 from solar_env.mechanics.integrators.settings import (
@@ -16,7 +16,6 @@ from solar_env.mechanics.integrators.settings import (
     RungeKutta,
 )
 from solar_env.studies.common.motion import Motion, Scene, run_own, with_panels
-from solar_env.studies.peers.scipy_methods import run_scipy
 
 MISSING_PEER = "Exudyn is not installed, its methods are left out: pip install -e '.[peers]'"
 
@@ -29,27 +28,23 @@ class Method:
     """A way to simulate a scene.
 
     Attributes:
-        name: in tables and legends.
         setting: what is varied: "rtol" or "step" [s].
         program: scene and setting to motion; raises SimulationError if the run cannot go on.
         settings: model -> values of the setting; a model that is not there is left out.
-        dear: model -> further values, long runs that only the full chart makes.
-        needs: distribution that must be installed besides the project.
+        peer: whether it is Exudyn's.
         panels: what the only flexible panels consist of that it takes, as "32 modes"; empty for those of the scene.
     """
 
-    name: str
     setting: str
     program: Program
     settings: Mapping[str, Settings]
-    dear: Mapping[str, Settings] = field(default_factory=dict)
-    needs: str | None = None
+    peer: bool = False
     panels: str = ""
 
     @property
     def available(self) -> bool:
         """Whether what the method needs is installed."""
-        return self.needs is None or importlib.util.find_spec(self.needs) is not None
+        return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
         """A scene with the method's panels.
@@ -73,11 +68,6 @@ def own(make: Callable[[float], Integrator]) -> Program:
     return lambda scene, setting: run_own(scene, make(setting))
 
 
-def scipy(name: str) -> Program:
-    """A solver from one of SciPy's integrators."""
-    return lambda scene, rtol: run_scipy(scene, name, rtol)
-
-
 def exudyn(solver: str) -> Program:
     """A solver from one of Exudyn's, see `exudyn_runs`; loaded when it runs."""
 
@@ -89,99 +79,84 @@ def exudyn(solver: str) -> Program:
     return solve
 
 
-def _by_model(
-    rigid_ideal: Settings = (),
-    rigid_clearance: Settings = (),
-    flexible_ideal: Settings = (),
-    flexible_clearance: Settings = (),
-) -> dict[str, Settings]:
-    named = zip(MODELS, (rigid_ideal, rigid_clearance, flexible_ideal, flexible_clearance), strict=True)
-    return {model: settings for model, settings in named if settings}
+_RIGID, _LOOSE, _FLEXIBLE, _LOOSE_FLEXIBLE = MODELS
 
-
-# fmt: off
-METHODS: tuple[Method, ...] = (
-    Method(
-        "runge-kutta", "rtol", own(lambda rtol: RungeKutta(rtol=rtol)),
-        _by_model((1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12), (1e-4, 1e-5, 5e-7, 1e-8, 1e-10, 1e-11, 1e-12),
-                  (1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9), (1e-3, 1e-5, 1e-6, 1e-8, 1e-9)),
+METHODS: Mapping[str, Method] = {
+    "runge-kutta": Method(
+        "rtol",
+        own(lambda rtol: RungeKutta(rtol=rtol)),
+        {
+            _RIGID: (1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12),
+            _LOOSE: (1e-4, 1e-5, 5e-7, 1e-8, 1e-10, 1e-11, 1e-12),
+            _FLEXIBLE: (1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9),
+            _LOOSE_FLEXIBLE: (1e-3, 1e-5, 1e-6, 1e-8, 1e-9),
+        },
     ),
-    Method(
-        "rosenbrock", "rtol", own(lambda rtol: Rosenbrock(rtol=rtol)),
-        _by_model((), (), (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)),
+    "rosenbrock": Method(
+        "rtol",
+        own(lambda rtol: Rosenbrock(rtol=rtol)),
+        {_FLEXIBLE: (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), _LOOSE_FLEXIBLE: (1e-2, 1e-3, 1e-4, 1e-5)},
     ),
-    Method(
-        "modal-radau", "rtol", own(lambda rtol: ModalRadau(rtol=rtol)),
-        _by_model((), (3e-2, 1e-2, 1e-3, 1e-4), (1e-3, 3e-4, 1e-4, 1e-5, 1e-6), (3e-2, 1e-2, 1e-3, 1e-4, 1e-5)),
+    "modal-radau": Method(
+        "rtol",
+        own(lambda rtol: ModalRadau(rtol=rtol)),
+        {
+            _LOOSE: (3e-2, 1e-2, 1e-3, 1e-4),
+            _FLEXIBLE: (1e-3, 3e-4, 1e-4, 1e-5, 1e-6),
+            _LOOSE_FLEXIBLE: (3e-2, 1e-2, 1e-3, 1e-4, 1e-5),
+        },
         panels="32 modes",
     ),
-    Method(
-        "generalized-alpha", "step", own(lambda step: GeneralizedAlpha(step=step)),
-        _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5, 1e-5), (1e-2, 5e-3, 2e-3, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5)),
+    "generalized-alpha": Method(
+        "step",
+        own(lambda step: GeneralizedAlpha(step=step)),
+        {
+            _RIGID: (1e-2, 1e-3, 1e-4),
+            _LOOSE: (1e-4, 5e-5, 2e-5, 1e-5),
+            _FLEXIBLE: (1e-2, 5e-3, 2e-3, 1e-3, 1e-4),
+            _LOOSE_FLEXIBLE: (1e-4, 5e-5, 2e-5),
+        },
     ),
-    Method(
-        "generalized-alpha, adaptive", "rtol", own(lambda rtol: GeneralizedAlpha(rtol=rtol)),
-        _by_model((1e-3, 1e-5, 1e-7), (1e-4, 1e-5, 1e-6, 1e-7), (1e-3, 1e-4, 1e-5), (1e-3, 1e-4)),
+    "paper's scheme": Method(
+        "step",
+        own(lambda step: GeneralizedAlpha(step=step, rho_inf=1.0)),
+        {
+            _RIGID: (1e-2, 1e-3, 1e-4),
+            _LOOSE: (1e-4, 5e-5, 2e-5),
+            _FLEXIBLE: (1e-2, 1e-3, 1e-4),
+            _LOOSE_FLEXIBLE: (1e-4, 5e-5),
+        },
     ),
-    Method(
-        "paper's scheme", "step", own(lambda step: GeneralizedAlpha(step=step, rho_inf=1.0)),
-        _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5), (1e-2, 1e-3, 1e-4), (1e-4, 5e-5)),
+    "Exudyn generalized-alpha": Method(
+        "step",
+        exudyn("generalized-alpha"),
+        {
+            _RIGID: (1e-2, 1e-3, 1e-4),
+            _LOOSE: (1e-4, 5e-5, 2e-5),
+            _FLEXIBLE: (5e-3, 1e-3, 1e-4),
+            _LOOSE_FLEXIBLE: (5e-4, 1e-4),
+        },
+        peer=True,
     ),
-    Method(
-        "SciPy DOP853", "rtol", scipy("DOP853"),
-        _by_model((1e-4, 1e-6, 1e-8, 1e-11, 1e-12)),
-        dear=_by_model((), (1e-6, 1e-9, 1e-11, 1e-12), (1e-8,), (1e-8,)),
+    "Exudyn explicit": Method(
+        "step",
+        exudyn("explicit"),
+        {_RIGID: (5e-2, 1e-2, 1e-3), _LOOSE: (5e-5, 2e-5, 1e-5)},
+        peer=True,
     ),
-    Method(
-        "SciPy Radau", "rtol", scipy("Radau"),
-        _by_model((1e-3, 1e-5, 1e-7, 1e-9), (), (1e-2, 1e-3, 1e-4, 1e-5)), dear=_by_model((), (1e-4, 1e-6)),
-    ),
-    Method(
-        "Exudyn generalized-alpha", "step", exudyn("generalized-alpha"),
-        _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5), (5e-3, 1e-3)),
-        dear=_by_model(flexible_ideal=(1e-4,), flexible_clearance=(5e-4, 1e-4)), needs="exudyn",
-    ),
-    Method(
-        "Exudyn explicit", "step", exudyn("explicit"),
-        _by_model((5e-2, 1e-2, 1e-3), (5e-5, 2e-5, 1e-5)), needs="exudyn",
-    ),
-)
-# fmt: on
-
-# Two methods that have no code in common but the forces, each at its two smallest tolerances where that takes no hours.
-Pairs = tuple[tuple[str, Settings], ...]
-REFERENCES: dict[str, Pairs] = {
-    "rigid-ideal": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-12, 1e-11))),
-    "rigid-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-12, 1e-11))),
-    "flexible-ideal": (("runge-kutta", (1e-9, 1e-8)), ("SciPy DOP853", (1e-8,))),
-    "flexible-clearance": (("runge-kutta", (1e-9, 1e-8)), ("SciPy DOP853", (1e-8,))),
-}
-# Modal panels are another model, with one method: its finest run stands for it.
-MODAL_REFERENCES: dict[str, Pairs] = {
-    "flexible-ideal": (("modal-radau", (1e-6, 1e-5)),),
-    "flexible-clearance": (("modal-radau", (1e-5, 1e-4)),),
-}
-# Of short plans: with clearance what is left is chaos, whatever the method.
-SHORT_REFERENCES: dict[str, Pairs] = {
-    "rigid-ideal": (("runge-kutta", (1e-12,)), ("SciPy DOP853", (1e-12,))),
-    "rigid-clearance": (("runge-kutta", (1e-12,)), ("generalized-alpha, adaptive", (1e-7,))),
-    "flexible-ideal": (("runge-kutta", (1e-9,)), ("SciPy DOP853", (1e-8,))),
-    "flexible-clearance": (("runge-kutta", (1e-9,)), ("generalized-alpha, adaptive", (1e-4,))),
 }
 
-
-def find_method(name: str) -> Method:
-    """A method by its name.
-
-    Raises:
-        ValueError: if the name is unknown.
-    """
-    for method in METHODS:
-        if method.name == name:
-            return method
-    raise ValueError(f"method {name!r} is unknown; choose from {', '.join(m.name for m in METHODS)}")
+# Method, and its two finest settings: the run that others are compared with, and the one that tells how sure it is.
+Reference = tuple[str, tuple[float, float]]
+REFERENCES: Mapping[str, tuple[Reference, ...]] = {
+    _RIGID: (("runge-kutta", (1e-12, 1e-11)),),
+    _LOOSE: (("runge-kutta", (1e-12, 1e-11)),),
+    # Modal panels are another model, with a reference of their own.
+    _FLEXIBLE: (("runge-kutta", (1e-9, 1e-8)), ("modal-radau", (1e-6, 1e-5))),
+    _LOOSE_FLEXIBLE: (("runge-kutta", (1e-9, 1e-8)), ("modal-radau", (1e-5, 1e-4))),
+}
 
 
 def peer_is_missing() -> bool:
-    """Whether a method must be left out because what it needs is not installed."""
-    return any(not method.available for method in METHODS)
+    """Whether Exudyn's methods must be left out because it is not installed."""
+    return importlib.util.find_spec("exudyn") is None

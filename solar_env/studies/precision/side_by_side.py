@@ -9,18 +9,25 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.pictures.style import METHOD_LOOKS, STYLE, look_of
+from solar_env.studies.common.drawing import make_figure, save
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.motion import perturbed, perturbed_setting, with_panels
 from solar_env.studies.common.plans import ChartPlan
-from solar_env.studies.common.tables import Row
+from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.convergence import run_level
-from solar_env.studies.precision.methods import find_method
+from solar_env.studies.precision.curves import ERRORS, draw_curves
+from solar_env.studies.precision.methods import METHODS
 from solar_env.studies.precision.work_precision import errors_of
+from solar_env.support.files import write_text
+from solar_env.support.markdown import markdown_table
 
 Array = NDArray[np.float64]
 
@@ -28,7 +35,7 @@ DEFAULT = "default settings"
 _LONG_RUN = 60.0  # s
 Entry = tuple[str, float]
 
-# Method and setting: own looser and tighter tolerances; the peer at its leanest, the first of which short plans take.
+# Method and setting: own looser and tighter tolerances; the peer at its leanest.
 OWN: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 5e-10)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
@@ -55,6 +62,11 @@ CONVERGED: dict[str, Level] = {
     "flexible-clearance": FINEST,
 }
 _REFERENCE, _ENSEMBLE = "reference", "converged ensemble"
+_COLUMNS = (
+    "model", "method", "panels", "setting", "wall time [s]", "times real time", *ERRORS.values(),
+    "peak forces over the converged ensemble's, joints 1 / 2", "peer's time over ours at no larger error",
+)  # fmt: skip
+_SIZE = (2.15, 2.1)  # of one panel with its labels [inch]
 
 
 @dataclass(frozen=True)
@@ -88,27 +100,26 @@ def _job(plan: ChartPlan, case: Case) -> Job:
     if case.method == _REFERENCE:
         scene = replace(scene, model=with_panels(case.model, f"{4 * scene.level.count} elements"))
     scene = replace(scene, parameters=perturbed(scene.parameters, case.member))
-    solve = partial(find_method(name).solve, scene, perturbed_setting(value, case.member))
+    solve = partial(METHODS[name].solve, scene, perturbed_setting(value, case.member))
     return Job(title, solve, repeats, _LONG_RUN)
 
 
-def side_by_side_jobs(plan: ChartPlan) -> dict[Case, Job]:
+def runs(plan: ChartPlan) -> dict[Case, Job]:
     """Whole deployments; with clearance also ensembles of the own ones, and the peer's with its forces kept."""
     cases: list[Case] = []
     for model in plan.models:
         own = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OWN[model])]
-        peer = [Case(model, *entry) for entry in (PEER[model] if plan.dear else PEER[model][:1])]
-        peer = [case for case in peer if find_method(case.method).available]
+        peer = [Case(model, *entry) for entry in PEER[model] if METHODS[entry[0]].available]
         cases += [Case(model, _REFERENCE), *own, *peer]
         if model in CONVERGED:
             members = range(plan.ensemble_size)
             cases += [Case(model, _ENSEMBLE, member=member) for member in members]
             cases += [replace(case, member=member) for case in own for member in members[1:]]
-            cases += [replace(case, watched=True) for case in peer if plan.dear]
+            cases += [replace(case, watched=True) for case in peer]
     return {case: _job(plan, case) for case in cases}
 
 
-def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
+def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
     """Cost and errors of every method and setting."""
     rows: list[Row] = []
     for case, result in results.items():
@@ -123,7 +134,7 @@ def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> list
             "method": case.method,
             "panels": _panels(plan, case),
             "value": case.value,
-            "peer": int(case.method.startswith("Exudyn")),
+            "peer": int(case.method != DEFAULT and METHODS[case.method].peer),
             "failure": result.failure,
         }
         rows.append(labels | result.times() | errors_of(result.motion, reference, plan) | _force_ratios(case, results))
@@ -133,7 +144,7 @@ def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> list
 def _panels(plan: ChartPlan, case: Case) -> str:
     if case.method == DEFAULT:
         return Level(case.model).size
-    return find_method(case.method).size(plan.deployment(case.model))
+    return METHODS[case.method].size(plan.deployment(case.model))
 
 
 def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
@@ -161,3 +172,60 @@ def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
         errors = np.hypot(shares[0], shares[1] * means)
     names = [f"force_ratio_{joint}{suffix}" for suffix in ("", "_error") for joint in (1, 2)]
     return dict(zip(names, [*means.tolist(), *errors.tolist()], strict=True))
+
+
+def draw(rows: Table, folder: Path) -> list[Path]:
+    """Draw wall time against the error of angles, a column for each model, and write the table; returns the files."""
+    looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
+    models = rows.values("model")
+    figure, axes = make_figure(1, len(models), _SIZE, len(looks))
+    with mpl.rc_context(STYLE):
+        for axis, model in zip(axes[0], models, strict=True):
+            draw_curves(axis, rows.where(model=model), "angle_error_rad", "wall_s", looks)
+            axis.set_title(str(model))
+        axes[0, 0].set_ylabel("wall time [s]")
+    picture, page = folder / "side_by_side.png", folder / "side_by_side.md"
+    save(figure, picture, looks, _conclusion(rows), f"{ERRORS['angle_error_rad']}, panels included")
+    write_text(page, markdown_table(_COLUMNS, [_line(rows, row) for row in rows.rows]) + "\n")
+    return [picture, page]
+
+
+def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
+    """The peer's wall time over that of the cheapest own run whose errors are no larger; nan if there is none."""
+    walls = [
+        number(row, "wall_s")
+        for row in rows.where(model=peer["model"], peer=0).rows
+        if all(number(row, name) <= number(peer, name) for name in ERRORS)
+    ]
+    return number(peer, "wall_s") / min(walls, default=math.nan)
+
+
+def _conclusion(rows: Table) -> str:
+    """By how much a peer's setting takes longer on each model, at the least."""
+    least: dict[str, float] = {}
+    for row in rows.where(peer=1).rows:
+        ratio = ratio_at_equal_error(rows, row)
+        if math.isfinite(ratio):
+            model = str(row["model"])
+            least[model] = min(ratio, least.get(model, math.inf))
+    clauses = [f"{ratio:.3g} times with {model}" for model, ratio in least.items()]
+    return f"At no larger error a peer takes at least {', '.join(clauses)}" if clauses else "No peer was measured"
+
+
+def _line(rows: Table, row: Mapping[str, Cell]) -> list[str]:
+    cells = [str(row[name]) for name in ("model", "method", "panels")]
+    cells.append("" if row["method"] == DEFAULT else f"{number(row, 'value'):g}")
+    if row["failure"]:
+        return [*cells, "failed", *[""] * (len(_COLUMNS) - len(cells) - 1)]
+    ratio = ""
+    if row["peer"]:
+        own = ratio_at_equal_error(rows, row)
+        ratio = "none of ours is as accurate" if math.isnan(own) else f"{own:.3g}"
+    wall, duration = number(row, "wall_s"), number(row, "duration_s")
+    errors = [f"{number(row, name):.1e}" for name in ERRORS]
+    return [*cells, f"{wall:.3g}", f"{duration / wall:.3g}", *errors, _forces(row), ratio]
+
+
+def _forces(row: Mapping[str, Cell]) -> str:
+    ratios = [(number(row, f"force_ratio_{j}"), number(row, f"force_ratio_{j}_error")) for j in (1, 2)]
+    return "" if math.isnan(ratios[0][0]) else " / ".join(f"{ratio:.2f} ± {error:.2f}" for ratio, error in ratios)

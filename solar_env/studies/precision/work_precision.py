@@ -1,107 +1,178 @@
 """Work against precision: every method at every setting, its error against a reference, and what it cost.
 
-Errors are those of the method, not of the panels: every run is compared with the reference on the same panels. The
-reference is the finest run of the first of two methods, or the finest of the only method that takes the panels; the
-greatest deviation of the other reference runs from it is the floor below which an error says nothing. With clearance
-the floor is what chaos leaves: see `convergence`, also for errors of the panels.
+Errors are those of the method, not of the panels: every run is compared with the finest run on the same panels. The
+deviation of the next finer one from it is the floor below which an error says nothing. With clearance the floor is what
+chaos leaves: see `convergence`, also for errors of the panels.
 """
 
 import math
 from collections.abc import Mapping
 from functools import partial
+from pathlib import Path
 
+import matplotlib as mpl
+import numpy as np
+
+from solar_env.array import ModelLevel
+from solar_env.pictures.style import FAINT, METHOD_LOOKS, STYLE, look_of
+from solar_env.studies.common.drawing import make_figure, save, short
 from solar_env.studies.common.measures import angle_error, latch_error
 from solar_env.studies.common.motion import Motion
 from solar_env.studies.common.plans import ChartPlan
-from solar_env.studies.common.tables import Row
+from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
-from solar_env.studies.precision.methods import (
-    METHODS,
-    MODAL_REFERENCES,
-    REFERENCES,
-    SHORT_REFERENCES,
-    Pairs,
-    find_method,
-)
+from solar_env.studies.precision.curves import ERRORS, draw_curves, positive_points
+from solar_env.studies.precision.methods import METHODS, REFERENCES
+from solar_env.support.files import write_text
+from solar_env.support.markdown import markdown_table
 
 Key = tuple[str, str, float]  # model, method and setting
-_COUNTS = ("steps", "evaluations", "factorizations", "energy_residual")
+COSTS = {"wall_s": "wall time [s]", "evaluations": "evaluations", "factorizations": "factorisations"}
+ERROR = "angle_error_rad"
+GOAL = 1e-4  # error that the conclusion asks for [rad]
+# Errors closer to the floor than this factor follow no order.
+_ABOVE_FLOOR = 10.0
+_FITTED = 3  # settings
+# Of one panel with its labels, and of all in a row at least [inch].
+_WIDTH, _HEIGHT, _LEAST_WIDTH = 2.15, 1.9, 6.4
 
 
-def references(model: str, plan: ChartPlan) -> tuple[Pairs, ...]:
-    """Names and settings of the reference runs of a model, for each kind of panels."""
-    pairs = (REFERENCES if plan.dear else SHORT_REFERENCES)[model]
-    return (pairs, MODAL_REFERENCES[model]) if model in MODAL_REFERENCES else (pairs,)
-
-
-def work_precision_jobs(plan: ChartPlan) -> dict[Key, Job]:
+def runs(plan: ChartPlan) -> dict[Key, Job]:
     """Every method at every setting on every model, the reference runs included."""
     jobs: dict[Key, Job] = {}
     for model in plan.models:
         chosen = [
-            (method.name, value)
-            for method in METHODS
+            (name, value)
+            for name, method in METHODS.items()
             if method.available
-            for value in (
-                *method.settings.get(model, ())[: plan.settings],
-                *(method.dear.get(model, ()) if plan.dear else ()),
-            )
+            for value in method.settings.get(model, ())[: plan.settings]
         ]
-        chosen += [(name, value) for pairs in references(model, plan) for name, values in pairs for value in values]
+        chosen += [(name, value) for name, values in REFERENCES[model] for value in values]
         for name, value in chosen:
-            solve = partial(find_method(name).solve, plan.deployment(model), value)
+            solve = partial(METHODS[name].solve, plan.deployment(model), value)
             title = f"work and precision, {model}: {name}, {value:g}"
             jobs[model, name, value] = Job(title, solve, plan.repeats)
     return jobs
 
 
-def work_precision_rows(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
-    """A row for every method at every setting, with the floor of its model and panels."""
+def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
+    """A row for every method at every setting, with the floor of its model and panels.
+
+    Raises:
+        ValueError: if a reference could not be simulated to its end.
+    """
     by_panels: dict[tuple[str, str], tuple[Motion, float]] = {}
     for model in plan.models:
-        for pairs in references(model, plan):
-            right, *others = _motions(model, results, pairs)
-            floor = max(angle_error(motion, right, plan.before_latch) for motion in others)
-            by_panels[model, find_method(pairs[0][0]).size(plan.deployment(model))] = right, floor
+        for name, values in REFERENCES[model]:
+            right, other = (results[model, name, value].motion for value in values)
+            if right is None or other is None:
+                raise ValueError(f"the reference {name} of {model} could not be simulated to its end")
+            panels = METHODS[name].size(plan.deployment(model))
+            by_panels[model, panels] = right, angle_error(other, right, plan.before_latch)
     rows: list[Row] = []
     for (model, name, value), result in results.items():
-        method, scene = find_method(name), plan.deployment(model)
-        panels = method.size(scene)
-        right, floor = by_panels[model, panels]
-        labels: Row = {
+        method, scene, motion = METHODS[name], plan.deployment(model), result.motion
+        right, floor = by_panels[model, method.size(scene)]
+        row: Row = {
             "model": model,
-            "panels": panels,
+            "panels": method.size(scene),
             "duration_s": scene.duration,
             "method": name,
             "setting": method.setting,
             "value": value,
             "failure": result.failure,
         }
-        rows.append(labels | _costs(result) | errors_of(result.motion, right, plan) | {"floor_rad": floor})
+        row |= result.times()
+        for count in ("steps", "evaluations", "factorizations", "energy_residual"):
+            row[count] = getattr(motion, count, math.nan)
+        rows.append(row | errors_of(motion, right, plan) | {"floor_rad": floor})
     return rows
-
-
-def _motions(model: str, results: Mapping[Key, Measured], pairs: Pairs) -> list[Motion]:
-    motions = []
-    for name, values in pairs:
-        for value in values:
-            result = results[model, name, value]
-            if result.motion is None:
-                raise ValueError(f"a reference run failed: {name} at {value:g}: {result.failure}")
-            motions.append(result.motion)
-    return motions
-
-
-def _costs(result: Measured) -> Row:
-    """Times and counts of a run; nan if it did not reach its end."""
-    return result.times() | {name: getattr(result.motion, name, math.nan) for name in _COUNTS}
 
 
 def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
     """Errors of a run, of angles before the latch and of latch times; nan if it did not reach its end."""
     if motion is None:
-        return {"angle_error_rad": math.nan, "latch_error_s": math.nan}
+        return dict.fromkeys(ERRORS, math.nan)
     return {
         "angle_error_rad": angle_error(motion, right, plan.before_latch),
         "latch_error_s": latch_error(motion, right),
     }
+
+
+def draw(rows: Table, folder: Path) -> list[Path]:
+    """Draw a column for each model and a row for each cost, and write the table in Markdown; returns the files."""
+    looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
+    models = rows.values("model")
+    size = max(_WIDTH, _LEAST_WIDTH / len(models)), _HEIGHT
+    figure, axes = make_figure(len(COSTS), len(models), size, len(looks))
+    with mpl.rc_context(STYLE):
+        for column, model in zip(axes.T, models, strict=True):
+            own = rows.where(model=model)
+            for axis, cost in zip(column, COSTS, strict=True):
+                axis.sharex(column[0])  # before curves are drawn, so that the errors of all costs fit
+                draw_curves(axis, own, ERROR, cost, looks)
+                axis.axvspan(0.0, number(own.rows[0], "floor_rad"), color=FAINT, alpha=0.5, linewidth=0.0, zorder=0)
+            column[0].set_title(_title(own), fontsize=7.5)
+        for axis, label in zip(axes[:, 0], COSTS.values(), strict=True):
+            axis.set_ylabel(label)
+    picture, page = folder / "angles.png", folder / "work_precision.md"
+    note = f"{ERRORS[ERROR]}; grey: what the two finest runs of the reference disagree by; modes: their finest run"
+    save(figure, picture, looks, _conclusion(rows), note)
+    write_text(page, _page(rows))
+    return [picture, page]
+
+
+def cheapest(rows: Table) -> Mapping[str, Cell] | None:
+    """The row of least wall time among those whose error is within the goal; None if there is none."""
+    within = [row for row in rows.rows if 0.0 < number(row, ERROR) <= GOAL]
+    return min(within, key=lambda row: number(row, "wall_s"), default=None)
+
+
+def order(rows: Table) -> float:
+    """Observed order of a method: exponent p of its errors, proportional to n^-p for n steps, or n evaluations.
+
+    Fitted by least squares to the three finest settings whose errors are well above the floor. nan if there are fewer,
+    and with clearance, where impacts bound the errors.
+    """
+    steps, errors = rows.column("steps"), rows.column(ERROR)
+    counts = np.where(np.isfinite(steps), steps, rows.column("evaluations"))
+    counts, errors = positive_points(counts, np.where(errors > _ABOVE_FLOOR * rows.column("floor_rad"), errors, 0.0))
+    if len(counts) < _FITTED or ModelLevel.of(str(rows.rows[0]["model"])).clearance:
+        return math.nan
+    finest = np.argsort(counts)[-_FITTED:]
+    return -float(np.polyfit(np.log(counts[finest]), np.log(errors[finest]), 1)[0])
+
+
+def _conclusion(rows: Table) -> str:
+    """The cheapest method of each model within the goal."""
+    best: dict[str, list[str]] = {}
+    for model in rows.values("model"):
+        row = cheapest(rows.where(model=model))
+        if row is not None:
+            best.setdefault(str(row["method"]), []).append(str(model))
+    # Lines break between methods, not within.
+    clauses = [f"{method} ({', '.join(models)})".replace(" ", "\N{NO-BREAK SPACE}") for method, models in best.items()]
+    return f"Cheapest to within {short(GOAL)}: {'; '.join(clauses)}"
+
+
+def _page(rows: Table) -> str:
+    """Order and cheapest setting of every method on every model in Markdown."""
+    columns = ("model", "panels", "method", "observed order", "cheapest setting within the goal", COSTS["wall_s"])
+    lines = []
+    for model, panels, method in dict.fromkeys((row["model"], row["panels"], row["method"]) for row in rows.rows):
+        own = rows.where(model=model, method=method)
+        row, found = cheapest(own), order(own)
+        cells = ["none", "", ""]
+        if row is not None:
+            cells = [f"{row['setting']} {row['value']:g}", f"{row['wall_s']:.3g}", f"{row[ERROR]:.1e}"]
+        lines.append([str(model), str(panels), str(method), "" if math.isnan(found) else f"{found:.1f}", *cells])
+    return f"Goal: {short(GOAL)} rad.\n\n{markdown_table((*columns, ERRORS[ERROR]), lines)}\n"
+
+
+def _title(rows: Table) -> str:
+    """Model; its panels, and runs that could not go on."""
+    details = [str(panels) for panels in rows.values("panels") if panels != "rigid"]
+    failed = sum(1 for row in rows.rows if row["failure"])
+    if failed:
+        details.append(f"{failed} failed")
+    return f"{rows.rows[0]['model']}\n{', '.join(details)}"

@@ -1,5 +1,5 @@
-"""Environment steps per second, where their time goes, memory and start-up.
+"""Environment steps per second, and what they are spent on.
 
-Imports `common` and the environments. A further measurement is a row of what `measurements` returns, and a column of
-`tables`.
+Imports `common` and the environments. A further measurement is a function in `measurements`, and a column of
+`as_markdown`.
 """

@@ -1,18 +1,12 @@
-"""Environment steps per second by model and number of lanes, and where a step's time goes.
+"""Environment steps per second by model and number of lanes, and what they are spent on.
 
 Episodes cost most after latching, hundreds of times as much as in free flight. Lanes are therefore put at moments
 spread evenly over one passive deployment, so that a few steps stand for whole episodes.
 """
 
-import os
-import subprocess
-import sys
-import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -22,41 +16,15 @@ from solar_env.environment.registration import DEPLOY
 from solar_env.environment.vector_env import SolarArrayVectorEnv
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.running.batch import available_processors
+from solar_env.support.markdown import markdown_table
 
 LANES = (1, 2, 16, 64, 256)
 SCALED_LANES = 64
 COMPARED_LANES = 8
 PEERS = ("SyncVectorEnv", "SubprocVecEnv")
 MOMENTS = 128
-# A measurement goes on until it has taken so long [s], one of several contestants longer, and for no fewer rounds.
-ENOUGH, LONG_ENOUGH, FEWEST = 1.0, 5.0, 3
-
-
-@dataclass(frozen=True)
-class Split:
-    """Split of a batch's wall time by what it was spent on [s].
-
-    Attributes:
-        steps: environment steps, of all lanes.
-        wall: altogether.
-        physics: in `Batch.advance`.
-        observation: in setting torques, in charging and in observing.
-    """
-
-    steps: int
-    wall: float
-    physics: float
-    observation: float
-
-    @property
-    def rate(self) -> float:
-        """Environment steps per second."""
-        return self.steps / self.wall
-
-    @property
-    def python(self) -> float:
-        """The rest [s]."""
-        return self.wall - self.physics - self.observation
+# A measurement goes on until it has taken so long [s], and for no fewer rounds.
+ENOUGH, FEWEST = 2.0, 3
 
 
 @cache
@@ -70,6 +38,12 @@ def moments(model: str) -> tuple[State, ...]:
         states.append(env.simulation.snapshot())
     # The last control period is cut short, and after it the episode would be over.
     return tuple(states[k] for k in np.linspace(0, len(states) - 3, MOMENTS).astype(int))
+
+
+def placements(model: str, lanes: int) -> list[list[State]]:
+    """Moments for all lanes, as often as all moments take to be met."""
+    every = moments(model)
+    return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
 
 def spread(model: str, lanes: int) -> list[State]:
@@ -104,72 +78,64 @@ def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
         simulation.restore(moment)
 
 
-def measure_native(model: str, lanes: int) -> Split:
-    """Time the steps of a native vector environment, whose lanes go through all moments again and again."""
-    env = make_native(model, lanes)
-    physics, observation = [0.0], [0.0]
-    episodes = env.episodes
-    for owner, name, taken in (
-        (episodes.batch, "attempt", physics),
-        (episodes, "hold", observation),
-        (episodes, "end", observation),
-    ):
-        setattr(owner, name, _timed(getattr(owner, name), taken))
+# Environment, and what puts its lanes to the moments of a round.
+Contestant = tuple[Any, Sequence[Callable[[], Any]]]
+
+
+def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
+    """Steps per second of contestants stepped in turn, so that what disturbs one disturbs all.
+
+    Each has as many placements as the others; of each the median time of all rounds counts.
+    """
     actions = np.zeros((lanes, 1), dtype=np.float32)
-    env.step(actions)
-    physics[0] = observation[0] = 0.0
-    steps, wall = 0, 0.0
-    while wall < ENOUGH or steps < FEWEST * lanes:
-        for first in range(0, MOMENTS, lanes):
-            place(env, [moments(model)[(first + lane) % MOMENTS] for lane in range(lanes)])
-            start = time.perf_counter()
-            env.step(actions)
-            wall += time.perf_counter() - start
-            steps += lanes
-    env.close()
-    return Split(steps, wall, physics[0], observation[0])
+    rounds: list[list[list[float]]] = []
+    start = time.perf_counter()
+    while time.perf_counter() - start < ENOUGH or len(rounds) < FEWEST:
+        rounds.append([])
+        for begins in zip(*(begins for _, begins in contestants.values()), strict=True):
+            walls = []
+            for (env, _), begin in zip(contestants.values(), begins, strict=True):
+                begin()
+                before = time.perf_counter()
+                env.step(actions)
+                walls.append(time.perf_counter() - before)
+            rounds[-1].append(walls)
+    for env, _ in contestants.values():
+        env.close()
+    # The first round warms up.
+    seconds = np.median(rounds[1:], axis=0).mean(axis=0)
+    return {name: lanes / float(wall) for name, wall in zip(contestants, seconds, strict=True)}
 
 
-def _timed(function: Callable[..., Any], taken: list[float]) -> Callable[..., Any]:
-    """The function, which adds the time of each call to the one number in `taken` [s]."""
+def measure_rate(model: str, lanes: int) -> dict[str, float]:
+    """Steps per second of a native vector environment, whose lanes go through all moments, and the physics' share."""
+    env = make_native(model, lanes)
+    taken = {"step": 0.0, "attempt": 0.0}
+    for owner, name in ((env, "step"), (env.episodes.batch, "attempt")):
+        setattr(owner, name, _timed(getattr(owner, name), taken, name))
+    begins = [partial(place, env, chosen) for chosen in placements(model, lanes)]
+    rates = compare({str(lanes): (env, begins)}, lanes)
+    return {**rates, "physics": taken["attempt"] / taken["step"]} if lanes == SCALED_LANES else rates
+
+
+def _timed(function: Callable[..., Any], taken: dict[str, float], name: str) -> Callable[..., Any]:
+    """The function, which adds the time of each call to `taken` [s]."""
 
     def call(*arguments: Any) -> Any:
         start = time.perf_counter()
         result = function(*arguments)
-        taken[0] += time.perf_counter() - start
+        taken[name] += time.perf_counter() - start
         return result
 
     return call
 
 
-def compare(contestants: Mapping[str, tuple[Any, Callable[[], Any]]], lanes: int) -> dict[str, float]:
-    """Steps per second, medians over rounds of contestants stepped in turn, so that what disturbs one disturbs all.
-
-    Args:
-        contestants: name -> environment, and what puts its lanes to their moments.
-        lanes: of each.
-    """
-    actions = np.zeros((lanes, 1), dtype=np.float32)
-    walls: dict[str, list[float]] = {name: [] for name in contestants}
-    start = time.perf_counter()
-    while time.perf_counter() - start < LONG_ENOUGH or len(next(iter(walls.values()))) < FEWEST:
-        for name, (env, begin) in contestants.items():
-            begin()
-            before = time.perf_counter()
-            env.step(actions)
-            walls[name].append(time.perf_counter() - before)
-    for env, _ in contestants.values():
-        env.close()
-    # The first round warms up.
-    return {name: lanes / float(np.median(times[1:])) for name, times in walls.items()}
-
-
-def measure_scaling(model: str) -> float:
+def measure_threads(model: str) -> dict[str, float]:
     """Throughput of SCALED_LANES native lanes with all threads, over that with one."""
-    chosen = spread(model, SCALED_LANES)
-    envs = {str(threads): make_native(model, SCALED_LANES, threads) for threads in (1, available_processors())}
-    rates = compare({name: (env, partial(place, env, chosen)) for name, env in envs.items()}, SCALED_LANES)
-    return rates[str(available_processors())] / rates["1"]
+    chosen, every = spread(model, SCALED_LANES), available_processors()
+    envs = {name: make_native(model, SCALED_LANES, threads) for name, threads in (("one", 1), ("every", every))}
+    rates = compare({name: (env, [partial(place, env, chosen)]) for name, env in envs.items()}, SCALED_LANES)
+    return {"threads": rates["every"] / rates["one"]}
 
 
 def measure_peers(model: str) -> dict[str, float]:
@@ -186,85 +152,41 @@ def measure_peers(model: str) -> dict[str, float]:
     processes = SubprocVecEnv(makers)  # type: ignore[arg-type]
     rates = compare(
         {
-            "native": (native, partial(place, native, chosen)),
-            "SyncVectorEnv": (sync, partial(sync.reset, seed=0)),
-            "SubprocVecEnv": (processes, processes.reset),
+            "native": (native, [partial(place, native, chosen)]),
+            "SyncVectorEnv": (sync, [partial(sync.reset, seed=0)]),
+            "SubprocVecEnv": (processes, [processes.reset]),
         },
         COMPARED_LANES,
     )
     return {name: rates["native"] / rates[name] for name in PEERS}
 
 
-_STARTUP = """
-import time
-start = time.perf_counter()
-import gymnasium, numpy, solar_env
-env = gymnasium.make_vec({id!r}, 2, model={model!r})
-env.reset(seed=0)
-env.step(numpy.zeros((2, 1)))
-print(time.perf_counter() - start)
-"""
+def measurements(models: Iterable[str]) -> list[tuple[str, Callable[[], dict[str, float]]]]:
+    """All measurements: model, and function that measures figures by name."""
+    whats: list[Callable[[str], dict[str, float]]] = [partial(measure_rate, lanes=lanes) for lanes in LANES]
+    whats += [measure_threads, measure_peers]
+    return [(model, partial(what, model)) for model in models for what in whats]
 
 
-def measure_startup(model: str, cold: bool) -> float:
-    """Seconds from a fresh interpreter to the first step, with the kernels in the cache or, `cold`, without."""
-    with tempfile.TemporaryDirectory() as folder:
-        changed = {"NUMBA_CACHE_DIR": folder} if cold else {}
-        return float(_run(_STARTUP.format(id=DEPLOY, model=model), changed))
-
-
-_MEMORY = """
-import resource, sys
-import gymnasium, numpy, solar_env
-def used():
-    try:
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * resource.getpagesize()
-    except OSError:  # not Linux: the peak so far
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
-def run(lanes):
-    env = gymnasium.make_vec({id!r}, lanes, model={model!r})
-    env.reset(seed=0)
-    env.step(numpy.zeros((lanes, 1)))
-    return env
-few = run(2)
-before = used()
-many = run({lanes})
-print((used() - before) / {lanes})
-"""
-
-
-def measure_memory(model: str, lanes: int = 1000) -> float:
-    """Bytes of memory that each further lane takes."""
-    return float(_run(_MEMORY.format(id=DEPLOY, model=model, lanes=lanes), {}))
-
-
-def _run(program: str, changed: dict[str, str]) -> str:
-    parent = str(Path(__file__).resolve().parents[3])
-    path = os.pathsep.join(filter(None, (parent, os.environ.get("PYTHONPATH"))))
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": path, **changed},
-        capture_output=True,
-        text=True,
-        check=True,
+def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
+    """The figures of all models: rates by lanes, what a step is spent on, and other vectors."""
+    threads = available_processors()
+    columns = (
+        "model", *map(str, LANES), f"{threads} threads over 1", "physics' share",
+        *(f"over {peer}" for peer in PEERS),
+    )  # fmt: skip
+    rows = [
+        (
+            model,
+            *(f"{own[str(lanes)]:,.0f}" for lanes in LANES),
+            f"{own['threads']:.2f}",
+            f"{own['physics']:.1%}",
+            *(f"{own[peer]:.2f}" for peer in PEERS),
+        )
+        for model, own in figures.items()
+    ]
+    return (
+        f"Environment steps (0.1 s) per second by number of lanes, {threads} threads; with {SCALED_LANES} lanes the "
+        "ratio to one thread, and the physics' share of the time; ratio to other vectors of "
+        f"{COMPARED_LANES} environments:\n\n{markdown_table(columns, rows)}"
     )
-    return done.stdout
-
-
-Key = tuple[str, str, int | str]
-
-
-def measurements(models: Sequence[str], cold: bool) -> dict[Key, Callable[[], Any]]:
-    """All measurements: (what, model, of what) -> function that measures; `cold`: with kernels compiled anew."""
-    plan: dict[Key, Callable[[], Any]] = {}
-    for model in models:
-        for lanes in LANES:
-            plan["lanes", model, lanes] = partial(measure_native, model, lanes)
-        plan["threads", model, ""] = partial(measure_scaling, model)
-        plan["peers", model, ""] = partial(measure_peers, model)
-        plan["memory", model, ""] = partial(measure_memory, model)
-        plan["startup", model, "cached"] = partial(measure_startup, model, cold=False)
-    if cold:
-        plan["startup", models[0], "cold"] = partial(measure_startup, models[0], cold=True)
-    return plan

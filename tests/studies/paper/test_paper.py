@@ -15,9 +15,8 @@ from solar_env.array import ArrayParameters
 from solar_env.commands.studies import paper
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 from solar_env.studies.common.tables import read_table, write_table
-from solar_env.studies.paper import cases, drawings, phases, survey
+from solar_env.studies.paper import cases, kinds, measures, survey
 from solar_env.studies.paper.claims import CLAIMS
-from solar_env.studies.paper.conclusions import CONCLUSIONS
 from solar_env.studies.paper.figures import FIGURES
 from solar_env.verification.arrays import theory
 
@@ -66,17 +65,16 @@ def test_what_the_other_cases_do_is_what_the_table_of_claims_says(key: str) -> N
 
 def test_the_initial_phase_ends_with_the_first_contact_that_lasts() -> None:
     motion = made([(1, 0.5, 13.2, 1.0), (0, 0.1, 0.101, 9.0), (0, 0.9, 13.1, 1.0), (0, 14.0, math.nan, 3.0)])
-    assert phases.find_phases(motion, 0) == phases.Phases(0.9, 13.0)
-    assert phases.find_phases(motion, 1) == phases.Phases(0.5, 13.1)
-    assert [int((phases.phase_of(motion, 0) == k).sum()) for k in (1, 2, 3)] == [90, 1210, 1701]
-    assert math.isnan(phases.find_phases(made([(0, 0.1, 0.101, 9.0)]), 0).settled)
+    assert [measures.settled(motion, joint) for joint in (0, 1)] == [0.9, 0.5]
+    assert [int((measures.phase_of(motion, 0) == k).sum()) for k in (1, 2, 3)] == [90, 1210, 1701]
+    assert math.isnan(measures.settled(made([(0, 0.1, 0.101, 9.0)]), 0))
 
 
 def test_forces_by_window_hold_the_peaks_that_samples_miss() -> None:
     force = np.zeros((len(TIME), 2))
     force[TIME < 1.0, 0] = 2.0
     motion = made([(0, 1.5, 1.501, 70.0), (0, 0.0, 1.0, 5.0), (1, 0.5, 0.501, 9.0)], normal_force=force)
-    assert phases.greatest_force(motion, 0, np.array([0.0, 1.0, 2.0, 3.0])).tolist() == [2.0, 70.0, 0.0]
+    assert measures.greatest_force(motion, 0, np.array([0.0, 1.0, 2.0, 3.0])).tolist() == [2.0, 70.0, 0.0]
 
 
 def test_a_delayed_oscillation_lags() -> None:
@@ -86,22 +84,22 @@ def test_a_delayed_oscillation_lags() -> None:
         made([], angles=np.stack([np.sin(3.0 * (TIME - late))] * 2, axis=1), latch_times=latched + start)
         for late, start in ((0.0, 0.0), (0.2033, 0.0041))
     ]
-    assert phases.lag(*motions, joint=0) == pytest.approx(0.2033 - 0.0041, abs=2e-3)
-    assert phases.lag(*reversed(motions), joint=1) == pytest.approx(-0.2033 + 0.0041, abs=2e-3)
+    assert measures.lag(*motions, joint=0) == pytest.approx(0.2033 - 0.0041, abs=2e-3)
+    assert measures.lag(*reversed(motions), joint=1) == pytest.approx(-0.2033 + 0.0041, abs=2e-3)
 
 
 def test_a_slide_counts_through_the_cut_of_the_angle_and_has_a_sign() -> None:
     angle = 3.0 + np.clip(20.0 * (TIME - 13.0), 0.0, 1.5)
     path = 2e-4 * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     motion = made([], eccentricity=np.stack([path, path[:, ::-1]], axis=1), latch_times=np.array([13.0, 13.0]))
-    assert phases.slide_at_latching(motion, 0) == pytest.approx(1.5)
-    assert phases.slide_at_latching(motion, 1) == pytest.approx(-1.5)
+    assert measures.slide(motion, 0) == pytest.approx(-math.degrees(1.5))
+    assert measures.slide(motion, 1) == pytest.approx(math.degrees(1.5))
 
 
 def test_vibration_is_what_a_running_mean_leaves() -> None:
     rates = 0.1 * TIME + 0.02 * np.sin(2.0 * math.pi * 4.0 * TIME)
     motion = made([], rates=np.stack([rates, rates], axis=1))
-    assert phases.vibration(motion, 2.0, 12.0) == pytest.approx(0.02 / math.sqrt(2.0), rel=0.01)
+    assert measures.vibration(motion) == pytest.approx(0.02 / math.sqrt(2.0), rel=0.01)
 
 
 def test_every_figure_of_the_paper_is_there() -> None:
@@ -109,22 +107,20 @@ def test_every_figure_of_the_paper_is_there() -> None:
     assert {case for figure in FIGURES.values() for case in figure.cases} == set(cases.CASES)
 
 
-@pytest.mark.parametrize("number", [8, 10, 11])
-def test_a_figure_is_drawn_from_its_table_alone(rigid: dict[str, Trajectory], number: int, tmp_path: Any) -> None:
-    figure = FIGURES[number]
-    write_table(tmp_path / "table.csv", figure.rows(rigid), {"command": "paper"})
-    for name in ("one.png", "two.png"):
-        drawings.draw_figure(read_table(tmp_path / "table.csv"), figure.kind, figure.title, tmp_path / name)
-    assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
-
-
-def test_a_figure_says_in_its_title_what_its_table_shows(rigid: dict[str, Trajectory], tmp_path: Any) -> None:
-    assert CONCLUSIONS.keys() == drawings.DRAWERS.keys() == {figure.kind for figure in FIGURES.values()}
-    motion, figure = rigid["rigid-clearance"], FIGURES[10]
+def test_a_figure_is_drawn_from_its_table_alone_with_what_the_table_shows_in_its_title(
+    rigid: dict[str, Trajectory], tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figure = FIGURES[10]
     write_table(tmp_path / "table.csv", figure.table([rigid]), {"command": "paper"})
-    first, second = motion.peak_force
-    words = f"at most {first:.3g} N at joint 1, {second:.3g} N at joint 2"
-    assert CONCLUSIONS[figure.kind](read_table(tmp_path / "table.csv")) == words
+    for name in ("one.png", "two.png"):
+        figure.draw(read_table(tmp_path / "table.csv"), tmp_path / name)
+    assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
+    drawn: list[Any] = []
+    monkeypatch.setattr(kinds, "save_figure", lambda picture, *_, **__: drawn.append(picture))
+    figure.draw(read_table(tmp_path / "table.csv"), tmp_path / "three.png")
+    first, second = rigid["rigid-clearance"].peak_force
+    words = f"Fig. 10: contact forces, rigid-clearance; nominal run:\nat most {first:.3g} N at joint 1, {second:.3g} N"
+    assert drawn[0].get_suptitle().startswith(words)
 
 
 def test_a_figure_of_an_ensemble_has_medians_and_their_range() -> None:
@@ -194,9 +190,9 @@ def test_a_claim_is_judged_by_the_median_of_the_members(monkeypatch: pytest.Monk
 
 def test_where_in_the_range_of_an_open_parameter_a_claim_holds_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     finding = judged([0.5], {5.0: 1.0, 80.0: 0.5}, monkeypatch)
-    assert finding.holds_for == {"cable_stiffness": (5.0,)}
-    assert finding.fails_for == {"cable_stiffness": (20.0, 80.0)}, "the default included"
-    assert "holds for `cable_stiffness` 5, not 20, 80" in survey.as_markdown([finding])
+    assert finding.holds_for == {"cable_stiffness": [5.0]}
+    assert finding.fails_for == {"cable_stiffness": [20.0, 80.0]}, "the default included"
+    assert "holds at `cable_stiffness` 5, not 20, 80" in survey.as_markdown([finding])
     assert json.loads(survey.as_json([finding]))[0]["fails_for"] == {"cable_stiffness": [20.0, 80.0]}
 
 
@@ -234,10 +230,12 @@ def test_wear_and_impacts_are_compared_joint_by_joint() -> None:
     assert claim("distribution-evenness").value(member) == pytest.approx((3.0 / 2.0) / (4.0 / 1.0))
 
 
-# Kind of figure -> number of axes, and the end of the label of one of them.
-LOOKS = {
-    "angles": (1, "[rad]"), "path": (5, "y [µm]"), "forces": (2, "force [N]"), "small-forces": (4, "force [N]"),
-    "torques": (2, "[N m]"), "models": (8, "difference from rigid-ideal"), "wear": (2, "depth [m]"),
+# Kind of figure and number of cases -> number of axes, end of the label of one of them, end of the paper's axis.
+LOOKS: dict[tuple[str, int], tuple[int, str, float | None]] = {
+    ("Angles", 1): (1, "[rad]", None), ("JournalPath", 1): (5, "y [µm]", None),
+    ("ContactForces", 1): (2, "force [N]", None), ("ContactForces", 2): (4, "force [N]", 300.0),
+    ("Torques", 1): (2, "[N m]", None), ("Models", 4): (8, "difference from rigid-ideal", None),
+    ("Wear", 2): (2, "depth [m]", 7e-14),
 }  # fmt: skip
 PLACES = {"time_s", "phase", "clearance_um", "angle_deg"}
 
@@ -258,13 +256,13 @@ def test_the_curves_of_a_figure_are_the_columns_of_its_table(
     number: int, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[Any] = []
-    monkeypatch.setattr(drawings, "save_figure", lambda picture, *_, **__: drawn.append(picture))
+    monkeypatch.setattr(kinds, "save_figure", lambda picture, *_, **__: drawn.append(picture))
     figure = FIGURES[number]
     member = {case: scribbled(seed) for seed, case in enumerate(cases.CASES)}
     write_table(tmp_path / "table.csv", figure.table([member] * len(figure.members)), {"command": "paper"})
     table = read_table(tmp_path / "table.csv")
-    drawings.draw_figure(table, figure.kind, figure.heading, tmp_path / "picture.png")
-    axes, (count, label) = drawn[0].axes, LOOKS[figure.kind]
+    figure.draw(table, tmp_path / "picture.png")
+    axes, (count, label, top) = drawn[0].axes, LOOKS[type(figure).__name__, len(figure.cases)]
     assert len(axes) == count
     assert any(axis.get_ylabel().endswith(label) for axis in axes)
     assert drawn[0].get_suptitle().startswith(figure.heading)
@@ -273,4 +271,4 @@ def test_the_curves_of_a_figure_are_the_columns_of_its_table(
         if not name.endswith(("_least", "_greatest")):
             assert sum(np.array_equal(line.get_ydata(), table.column(name)) for line in lines) == 1, name
     ends = [line.get_ydata()[0] for line in lines if line.get_label() == "end of the paper's axis"]
-    assert ends == {"small-forces": [300.0] * 4, "wear": [7e-14] * 2}.get(figure.kind, [])
+    assert ends == ([] if top is None else [top] * count)

@@ -10,11 +10,13 @@ import pytest
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link
-from solar_env.studies.paper import cases
-from solar_env.studies.paper.figures import FIGURES
+from solar_env.studies.paper import cases, figures
 from solar_env.verification.linkages.four_bar import LinkageState, four_bar_state
 
 LENGTHS, GROUND = (0.10, 0.35, 0.25), 0.40  # m
+
+
+simulate_once = cache(cases.simulate_four_bar)
 
 
 @cache
@@ -46,7 +48,10 @@ def test_four_bar_wears_more_with_every_turn_and_its_books_close() -> None:
 def linkage() -> dict[tuple[str, int], Any]:
     """The curves of Figure 5 by quantity and turns."""
     curves: dict[tuple[str, int], Any] = {}
-    for row in FIGURES[5].rows({}):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "simulate_four_bar", simulate_once)
+        rows = figures.FIGURES[5].table([{}])
+    for row in rows:
         curves.setdefault((str(row["quantity"]), int(row["turns"])), []).append((row["place"], row["value"]))
     return {key: np.array(curve) for key, curve in curves.items()}
 
@@ -80,7 +85,7 @@ def test_the_crank_moment_of_figure_5_does_the_work_that_is_lost_or_stored_and_w
 ) -> None:
     ideal, worn = (linkage["crank moment [N m]", turns][:, 1] for turns in (0, 26))
     assert np.mean(ideal) == pytest.approx(0.0, abs=1e-6 * np.abs(ideal).max())
-    motion = cases.simulate_four_bar(26, with_clearance=True)
+    motion = simulate_once(26, with_clearance=True)
     energies = motion.energies
     names = ("friction_dissipation", "contact_dissipation", "kinetic", "contact", "gravity")
     balance = np.sum([energies[name] for name in names], axis=0)

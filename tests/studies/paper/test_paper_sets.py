@@ -7,7 +7,7 @@ from solar_env.__main__ import main
 from solar_env.array import ArrayParameters
 from solar_env.commands.studies.paper import FOLDER
 from solar_env.studies.common.tables import read_table
-from solar_env.studies.paper import phases, sets
+from solar_env.studies.paper import measures, sets
 from solar_env.studies.paper.cases import CASES, CaseRun, simulate_run
 from solar_env.studies.paper.claims import CLAIMS
 
@@ -20,14 +20,14 @@ def motions_of(changes, cases):
 
 
 def test_the_preset_is_a_set_and_other_sets_are_what_their_tables_say():
-    preset = ArrayParameters.preset("paper")
-    assert preset.with_changes(dict(sets.found_sets()["preset"])) == preset
-    loop = preset.with_changes(dict(sets.found_sets()["stiff loop"]))
+    preset, found = ArrayParameters.preset("paper"), sets.found_sets()
+    assert preset.with_changes(dict(found["preset"])) == preset
+    loop = preset.with_changes(dict(found["stiff loop"]))
     assert (loop.hinge_y, loop.cable_torque_ratio, loop.friction_sliding) == (0.5, 1.28, "material")
     assert (loop.stop(0).stiffness, loop.by_joint("friction_speed_full", 0)) == (1.6e4, 0.013)
-    readings = {preset.with_changes(dict(sets.found_sets()[f"front {k}"])).contact_stiffness for k in range(1, 155)}
+    readings = {preset.with_changes(dict(found[f"front {k}"])).contact_stiffness for k in range(1, 155)}
     assert readings == {None, preset.contact_stiffness}
-    assert "front 155" not in sets.found_sets()
+    assert "front 155" not in found
 
 
 def test_a_set_that_is_none_is_refused_by_its_name(capsys):
@@ -75,7 +75,7 @@ def greatest_forces(changes):
     forces = {}
     for case, motion in motions_of(changes, ["rigid-clearance", "distribution-1", "distribution-2"]).items():
         edges = np.array([motion.latch_times.max() - 0.05, 14.5, 27.5, motion.time[-1]])
-        windows = np.max([phases.greatest_force(motion, joint, edges) for joint in (0, 1)], axis=0)
+        windows = np.max([measures.greatest_force(motion, joint, edges) for joint in (0, 1)], axis=0)
         forces[case] = np.maximum.accumulate(windows[::-1])[::-1]
     return forces
 
@@ -89,7 +89,8 @@ def test_figures_20_and_21_from_14_5_s_on_do_not_reconcile_the_forces_of_a_set_o
 
 @pytest.mark.slow
 def test_of_the_front_one_set_has_the_papers_forces_and_its_bursts_fade():
-    every = (greatest_forces(sets.found_sets()[f"front {number}"]) for number in range(1, 155))
+    found = sets.found_sets()
+    every = (greatest_forces(found[f"front {number}"]) for number in range(1, 155))
     hard = [forces for forces in every if 700.0 <= forces["rigid-clearance"][0] <= 900.0]
     assert 4 <= len(hard) <= 9
     for first in (0, 1):

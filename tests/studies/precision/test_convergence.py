@@ -14,7 +14,7 @@ from solar_env.studies.common.motion import SETTING_SHARE, perturbed, perturbed_
 from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.common.tables import Table
 from solar_env.studies.common.timing import Measured
-from solar_env.studies.precision import convergence, convergence_plot
+from solar_env.studies.precision import convergence
 
 
 def test_members_are_released_at_rates_of_their_own_round_the_nominal_ones():
@@ -67,9 +67,9 @@ def test_both_families_of_panels_have_a_finest_level_with_clearance(plan):
 
 def level_row(family, level, forces):
     """A row of the table: the peak forces of joint 1 are those of an ensemble, everything else is 1 in every run."""
-    totals = dict.fromkeys(convergence.STATISTICS, np.ones(2))
+    totals = dict.fromkeys(convergence.MEANS, np.ones(2))
     motions = [replace(make_motion(), totals={**totals, "peak_force_N": np.array([force, 1.0])}) for force in forces]
-    ideal = {"reference": "48 modes", "wall_ideal_s": 0.5, **dict.fromkeys(convergence_plot.ERRORS, 1e-3)}
+    ideal = {"reference": "48 modes", "wall_ideal_s": 0.5, **dict.fromkeys(convergence.ERRORS, 1e-3)}
     return {"family": family, "level": level, **ideal} | convergence._means([Measured(one, (1.0,)) for one in motions])
 
 
@@ -79,28 +79,29 @@ def two_families(beams, modes):
 
 def test_families_meet_if_their_means_differ_by_what_sampling_explains():
     scatter = 5.0 * np.random.default_rng(0).normal(size=64)
-    apart = convergence_plot.conclusion(two_families(120.0 + scatter[:3], 100.0 + scatter[3:]))
-    assert "have not met: 48 elements and 32 modes differ in peak force of joint 1 by +" in apart
-    met = convergence_plot.conclusion(two_families(102.0 + scatter[:3], 100.0 + scatter[3:]))
+    apart = convergence.conclusion(two_families(120.0 + scatter[:3], 100.0 + scatter[3:]))
+    assert "have not met: 48 elements and 32 modes differ by +" in apart
+    assert apart.endswith("at most, in the peak force of joint 1")
+    met = convergence.conclusion(two_families(102.0 + scatter[:3], 100.0 + scatter[3:]))
     assert "go to one limit" in met
     assert met.endswith("in the peak force of joint 1")
 
 
 def test_the_difference_of_means_has_the_error_of_ensembles_that_scatter_alike():
     rows = two_families((9.0, 11.0), (4.0, 5.0, 6.0)).rows
-    change, error = convergence_plot.difference(*rows, "peak_force_N_1")
+    change, error = convergence.difference(*rows, "peak_force_N_1")
     assert change == pytest.approx(1.0)
     assert error == pytest.approx(math.sqrt(4.0 / 3.0 * (1.0 / 2.0 + 1.0 / 3.0)) / 5.0)
 
 
 def test_the_page_has_means_and_their_errors():
     rows = two_families((9.0, 11.0), (4.0, 5.0, 6.0))
-    page = convergence_plot._page(rows)
+    page = convergence._page(rows)
     assert "against 48 modes; with clearance" in page
     assert "| 48 elements | 0.5 | 1.0e-03 | 1.0e-03 | 1.0e-03 | 2 | 1 | 10.0 ± 1.0 / 1 |" in page
-    assert page.endswith(f"{convergence_plot.conclusion(rows)}.\n")
+    assert page.endswith(f"{convergence.conclusion(rows)}.\n")
 
 
 def test_runs_that_could_not_go_on_do_not_count():
-    ended = Measured(replace(make_motion(), totals=dict.fromkeys(convergence.STATISTICS, np.ones(2))), (1.0,))
+    ended = Measured(replace(make_motion(), totals=dict.fromkeys(convergence.MEANS, np.ones(2))), (1.0,))
     assert convergence._means([ended, Measured(None, failure="Newton")])["runs"] == 1

@@ -1,0 +1,244 @@
+"""The array in Exudyn (J. Gerstmayr, Multibody Syst. Dyn. 60 (2024) 379, doi:10.1007/s11044-023-09937-1): the peer.
+
+Everything on the way of a force is a compiled object of the library, chosen for its speed:
+
+* rigid panels: bodies in the plane with three coordinates, springs and cable loop together as one linear stiffness
+  matrix over their rotations;
+* rigid panels with ideal joints, for explicit solvers: a kinematic tree, which has no constraints;
+* flexible panels: cable elements in absolute nodal coordinates, Kelvin-Voigt damping as ours, and a massless body along
+  the chord of the inner panel, against which the wheels of the cable loop turn;
+* clearance: a sphere in a hollow sphere with exponent 1.5 and Hunt and Crossley's damping 3 (1 - e) / 2, in which the
+  coefficient of restitution e is set so that the damping factor is ours;
+* latches: the torque of the stop as a symbolic expression, which the library evaluates itself.
+"""
+
+import itertools
+import math
+from typing import Any
+
+import exudyn
+import numpy as np
+
+from solar_env.studies.common.motion import Scene
+from solar_env.studies.peers.exudyn_parts import PeerArray, items
+
+_FOLDED = (-math.pi / 2, math.pi / 2)  # directions of the folded panels [rad]
+# Of each joint: rotation of the outboard relative to the inboard side when folded [rad], sense of the joint angle.
+_ROTATIONS = ((-math.pi / 2, 1.0), (math.pi, -1.0))
+
+
+def build_peer(scene: Scene, implicit: bool) -> PeerArray:
+    """Assemble the array of a scene for an implicit solver, or for an explicit one, which takes no constraints.
+
+    Raises:
+        ValueError: if the scene has what the peer's objects cannot express.
+    """
+    p = scene.parameters
+    if p.panel_count != 2 or max(p.entries("friction_speed_zero")) > 0.0:
+        raise ValueError("the peer's objects express two panels, and friction that sets in at rest")
+    if scene.level.modal:
+        raise ValueError(f"model = {scene.model!r} cannot be built of the peer's objects; take panels of elements")
+    if scene.level.flexible:
+        return BeamArray(scene)
+    return RigidArray(scene) if implicit or scene.level.clearance else TreeArray(scene)
+
+
+class RigidArray(PeerArray):
+    """Rigid bodies of three coordinates each."""
+
+    def build(self) -> list[tuple[int, int]]:
+        """Add everything but the latches."""
+        p, system = self.p, self.system
+        node, body = self.base()
+        nodes, bodies = [node], [body]
+        y = p.hinge_y - p.panel_length / 2
+        for angle, (speed, spin) in zip(_FOLDED, self.release(), strict=True):  # the second lies folded back
+            speed -= spin * p.panel_length / 2 * math.sin(angle)
+            node = items.NodeRigidBody2D(
+                referenceCoordinates=[p.hinge_x, y, angle], initialVelocities=[speed, 0.0, spin]
+            )
+            nodes.append(system.AddNode(node))
+            panel = items.ObjectRigidBody2D(mass=self.mass, inertia=self.inertia, nodeNumber=nodes[-1])
+            bodies.append(system.AddObject(panel))
+        half = p.panel_length / 2
+        first = self.point(bodies[0], p.hinge_x, p.hinge_y), self.point(bodies[1], -half)
+        self.joints([first, (self.point(bodies[1], half), self.point(bodies[2], -half))])
+        to_angles = np.zeros((2, 9))
+        to_angles[0, [2, 5]] = -1.0, 1.0
+        to_angles[1, [5, 8]] = 1.0, -1.0
+        self.torque_matrix(to_angles, nodes)
+        self.watch(*((node, 2, 0.0) for node in nodes))
+        turns = [system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=2)) for node in nodes]
+        return list(itertools.pairwise(turns))
+
+    def angles(self, *values: Any) -> tuple[Any, Any]:
+        """Joint angles [rad] from the turns of the three bodies."""
+        base, first, second = values
+        return first - base, first - second
+
+
+class TreeArray(PeerArray):
+    """A kinematic tree of the main body's three coordinates and two joint angles."""
+
+    def build(self) -> list[tuple[int, int]]:
+        """Add everything but the latches."""
+        p, system = self.p, self.system
+        joint = exudyn.JointType
+        node = system.AddNode(
+            items.NodeGenericODE2(
+                referenceCoordinates=[0.0] * 5,
+                initialCoordinates=[0.0] * 5,
+                initialCoordinates_t=[0.0, 0.0, 0.0, p.by_joint("initial_rate", 0), -p.by_joint("initial_rate", 1)],
+                numberOfODE2Coordinates=5,
+            )
+        )
+        # Two massless carriages and the main body's turn, then the panels, whose frames start folded.
+        turns = [np.eye(3) for _ in range(3)]
+        for angle in (_FOLDED[0], math.pi):
+            c, s = round(math.cos(angle)), round(math.sin(angle))
+            turns.append(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+        zero, half = [0.0, 0.0, 0.0], [p.panel_length / 2, 0.0, 0.0]
+        offsets = [zero, zero, zero, [p.hinge_x, p.hinge_y, 0.0], [p.panel_length, 0.0, 0.0]]
+        inertias = [np.diag([0.0, 0.0, about]) for about in (0.0, 0.0, p.body_inertia, self.inertia, self.inertia)]
+        system.AddObject(
+            items.ObjectKinematicTree(
+                nodeNumber=node,
+                jointTypes=[joint.PrismaticX, joint.PrismaticY, joint.RevoluteZ, joint.RevoluteZ, joint.RevoluteZ],
+                linkParents=[-1, 0, 1, 2, 3],
+                jointTransformations=exudyn.Matrix3DList(turns),
+                jointOffsets=exudyn.Vector3DList(offsets),
+                linkInertiasCOM=exudyn.Matrix3DList(inertias),
+                linkCOMs=exudyn.Vector3DList([zero, zero, zero, half, half]),
+                linkMasses=[0.0, 0.0, p.body_mass, self.mass, self.mass],
+            )
+        )
+        to_angles = np.zeros((2, 5))
+        to_angles[0, 3], to_angles[1, 4] = 1.0, -1.0
+        self.torque_matrix(to_angles, [node])
+        self.watch((node, 3, 0.0), (node, 4, 0.0))
+        turned = [system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=k)) for k in (3, 4)]
+        return [(self.ground, marker) for marker in turned]
+
+    def angles(self, *values: Any) -> tuple[Any, Any]:
+        """Joint angles [rad] from those of the tree."""
+        return values[0], -values[1]
+
+
+class BeamArray(PeerArray):
+    """Cable elements in absolute nodal coordinates."""
+
+    def build(self) -> list[tuple[int, int]]:
+        """Add everything but the latches."""
+        p, system, elements = self.p, self.system, self.scene.level.count
+        base, body = self.base()
+        length = p.panel_length / elements
+        section = p.panel_width * p.panel_thickness
+        bending = p.panel_young * section * p.panel_thickness**2 / 12.0
+        panels, cables = [], []
+        senses = ((p.hinge_y, -1.0), (p.hinge_y - p.panel_length, 1.0))
+        for (start, sense), (speed, spin) in zip(senses, self.release(), strict=True):
+            nodes = [
+                system.AddNode(
+                    items.NodePoint2DSlope1(
+                        referenceCoordinates=[p.hinge_x, start + sense * k * length, 0.0, sense],
+                        initialVelocities=[speed - spin * sense * k * length, 0.0, -spin * sense, 0.0],
+                    )
+                )
+                for k in range(elements + 1)
+            ]
+            panels.append(nodes)
+            cables.append(
+                [
+                    system.AddObject(
+                        items.ObjectANCFCable2D(
+                            length=length,
+                            massPerLength=p.panel_density * section,
+                            bendingStiffness=bending,
+                            axialStiffness=p.panel_young * section,
+                            bendingDamping=p.panel_damping * bending,
+                            axialDamping=p.panel_damping * p.panel_young * section,
+                            nodeNumbers=list(pair),
+                        )
+                    )
+                    for pair in itertools.pairwise(nodes)
+                ]
+            )
+        # (body, x, y) of bearing and journal of each joint.
+        ends = [
+            ((body, p.hinge_x, p.hinge_y), (cables[0][0], 0.0, 0.0)),
+            ((cables[0][-1], length, 0.0), (cables[1][0], 0.0, 0.0)),
+        ]
+        markers = [(self.point(*bearing), self.point(*journal)) for bearing, journal in ends]
+        self.joints(markers)
+        rotations = self._torques(ends, markers)
+        slopes = (panels[0][0], -1.0), (panels[0][-1], -1.0), (panels[1][0], 1.0)
+        self.watch((base, 2, 0.0), *((node, 2 + k, k * along) for node, along in slopes for k in (0, 1)))
+        return [(self.ground, marker) for marker in rotations]
+
+    def angles(self, *values: Any) -> tuple[Any, Any]:
+        """Joint angles [rad] from the main body's turn, and the slopes (x, y) at the three ends of panels."""
+        turn, root_x, root_y, tip_x, tip_y, outer_x, outer_y = values
+        first = np.arctan2(root_x, -root_y) - turn
+        second = math.pi - np.arctan2(tip_x * outer_y - tip_y * outer_x, tip_x * outer_x + tip_y * outer_y)
+        return first, np.where(second > 1.75 * math.pi, second - 2.0 * math.pi, second)
+
+    def _torques(self, ends: Any, markers: list[tuple[int, int]]) -> list[int]:
+        """Springs between the slopes, and the cable loop; returns markers of the relative rotations."""
+        p, system = self.p, self.system
+        rotations = []
+        for j, (folded, sense) in enumerate(_ROTATIONS):
+            data = system.AddNode(items.NodeGenericData(initialCoordinates=[folded], numberOfDataCoordinates=1))
+            system.AddObject(
+                items.ObjectConnectorTorsionalSpringDamper(
+                    markerNumbers=list(markers[j]),
+                    nodeNumber=data,
+                    stiffness=p.by_joint("spring_stiffness", j),
+                    offset=folded + sense * p.by_joint("spring_preload_angle", j),
+                )
+            )
+            inner, outer = ends[j]
+            rotations.append(self._rotation(inner, outer, folded))
+        belt = self._belt(ends), 0.0, 0.0
+        wheels = [
+            self._rotation(ends[0][0], belt, _ROTATIONS[0][0]),
+            self._rotation(belt, ends[1][1], _ROTATIONS[1][0]),
+        ]
+        system.AddObject(
+            items.ObjectConnectorCoordinateSpringDamperExt(
+                markerNumbers=wheels, stiffness=p.by_joint("cable_stiffness", 0), factor0=-2.0, factor1=1.0
+            )
+        )
+        return rotations
+
+    def _rotation(self, inner: Any, outer: Any, folded: float) -> int:
+        """Marker of the rotation of one (body, x, y) relative to another, from where it is folded."""
+        data = items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1)
+        marker = items.MarkerBodiesRelativeRotationCoordinate(
+            bodyNumbers=[inner[0], outer[0]],
+            nodeNumber=self.system.AddNode(data),
+            localPosition0=[inner[1], inner[2], 0.0],
+            localPosition1=[outer[1], outer[2], 0.0],
+            axis0=[0, 0, 1],
+            offset=folded,
+        )
+        return int(self.system.AddMarker(marker))
+
+    def _belt(self, ends: Any) -> int:
+        """A massless body along the chord of the inner panel: pinned to its one end, sliding on its other."""
+        p, system = self.p, self.system
+        speed, spin = self.release()[0]
+        node = items.NodeRigidBody2D(
+            referenceCoordinates=[p.hinge_x, p.hinge_y, -math.pi / 2], initialVelocities=[speed, 0.0, spin]
+        )
+        belt = system.AddObject(items.ObjectRigidBody2D(mass=0.0, inertia=0.0, nodeNumber=system.AddNode(node)))
+        root, tip = self.point(*ends[0][1]), self.point(*ends[1][0])
+        system.AddObject(items.ObjectJointRevolute2D(markerNumbers=[root, self.point(belt, 0.0)]))
+        system.AddObject(
+            items.ObjectJointPrismatic2D(
+                markerNumbers=[tip, self.point(belt, 0.0)],
+                axisMarker0=[1.0, 0.0, 0.0],
+                normalMarker1=[0.0, 1.0, 0.0],
+                constrainRotation=False,
+            )
+        )
+        return int(belt)

@@ -45,7 +45,7 @@ def told(simulation: Simulation, end: float) -> list[str]:
 def test_impacts_that_a_fixed_step_does_not_resolve_are_told_and_told_once(rho_inf: float) -> None:
     simulation = Simulation(bouncing_block(GAP, 6.0), GeneralizedAlpha(step=2e-4, rho_inf=rho_inf))
     simulation.advance(0.01)
-    (first,) = told_by(simulation.check)
+    (first,) = (one for one in told_by(simulation.check) if one.startswith("an impact"))
     assert re.search(r"an impact of 0\.000\d+ s got \S+ steps, .* good to 1 % needs \d+; .* step of at most", first)
     assert told_by(simulation.check) == []
 

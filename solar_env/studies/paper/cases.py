@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from solar_env.array import MODELS, ArrayParameters, ModelLevel
@@ -22,28 +22,22 @@ PANELS = "6 elements"  # absolute nodal coordinates, as the paper's
 EQ_40_CASE, EQ_40 = "-eq-40", "eq_40_"
 
 
-@dataclass(frozen=True)
-class Case:
-    """A deployment: the level of the model, and what differs from the `paper` preset."""
-
-    model: str
-    changes: Mapping[str, Any] = field(default_factory=dict)
-
-
-CASES: Mapping[str, Case] = {
-    **{model: Case(model) for model in MODELS},
-    # The paper's models 1 and 2 of the distribution of clearances.
-    "distribution-1": Case("rigid-clearance", {"clearance": (1e-4, 2e-4)}),
-    "distribution-2": Case("rigid-clearance", {"clearance": (2e-4, 1e-4)}),
+_SIZES = {1: (1e-4, 2e-4), 2: (2e-4, 1e-4)}  # m; the clearances of the paper's models 1 and 2 of their distribution
+# Deployments by name: the level of the model, and what differs from the `paper` preset.
+CASES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+    **{model: (model, {}) for model in MODELS},
+    **{f"distribution-{n}": ("rigid-clearance", {"clearance": sizes}) for n, sizes in _SIZES.items()},
     # The same with a contact stiffness by joint, as Eq 40 has it.
-    f"distribution-1{EQ_40_CASE}": Case("rigid-clearance", {"clearance": (1e-4, 2e-4), "contact_stiffness": None}),
-    f"distribution-2{EQ_40_CASE}": Case("rigid-clearance", {"clearance": (2e-4, 1e-4), "contact_stiffness": None}),
+    **{
+        f"distribution-{n}{EQ_40_CASE}": ("rigid-clearance", {"clearance": sizes, "contact_stiffness": None})
+        for n, sizes in _SIZES.items()
+    },
 }
 
 
 def is_flexible(case: str) -> bool:
     """Whether the panels of a case bend."""
-    return ModelLevel.of(CASES[case].model).flexible
+    return ModelLevel.of(CASES[case][0]).flexible
 
 
 # One member of an ensemble: all deployments by name.
@@ -63,16 +57,10 @@ class CaseRun:
 
 
 def simulate_run(run: CaseRun) -> Trajectory:
-    """Simulate a deployment with default settings as a member of an ensemble, see `motion.perturbed`.
-
-    Raises:
-        KeyError: if there is no such case.
-        ValueError: if a parameter is refused.
-        SimulationError: if the run cannot go on.
-    """
-    case = CASES[run.case]
-    parameters = ArrayParameters.preset("paper").with_changes(dict(run.changes)).with_changes(case.changes)
-    return Level(with_panels(case.model, PANELS)).deploy(parameters, run.member, DURATION, OUTPUT_STEP)
+    """Simulate a deployment with default settings as a member of an ensemble, see `motion.perturbed`."""
+    model, changes = CASES[run.case]
+    parameters = ArrayParameters.preset("paper").with_changes(dict(run.changes)).with_changes(changes)
+    return Level(with_panels(model, PANELS)).deploy(parameters, run.member, DURATION, OUTPUT_STEP)
 
 
 # The four-bar linkage: the paper's data are not all published. Links of the default crank-rocker, 1 kg a metre; the

@@ -276,16 +276,6 @@ def lag(reference: Trajectory, motion: Trajectory, joint: int) -> float:
     return step * (float(shifts[top]) + float(between)) + late[0] - late[1]
 
 
-def density(one: Trajectory, two: Trajectory) -> float:
-    """Number of impacts with 0.1 mm over that with 0.2 mm, the smaller ratio of both joints."""
-    return min(large_over_small(impacts, joint)(two, one) for joint in JOINTS)
-
-
 def worst_wear(motion: Trajectory) -> float:
     """Deepest bin of all [m]."""
     return float(motion.wear_depth.max())
-
-
-def unevenness(motion: Trajectory) -> float:
-    """Deepest bin of the joint that wears more over that of the other."""
-    return float(motion.wear_depth.max() / motion.wear_depth.min())

@@ -18,25 +18,20 @@ _COLUMNS = (
 
 
 def found_sets() -> dict[str, Changes]:
-    """The sets of the shortlist by their names, and "front 1", "front 2" and so on, which no other betters."""
+    """What differs from the `paper` preset, by the names of the shortlist and "front 1", "front 2" and so on."""
     rows = {str(row["name"]): row for row in read_table(FOLDER / "identification-shortlist.csv").rows}
     front = read_table(FOLDER / "identification-front.csv").rows
     rows |= {f"front {number}": row for number, row in enumerate(front, start=1)}
-    return {name: changes_of(row) for name, row in rows.items()}
+    return {name: _changes(row) for name, row in rows.items()}
 
 
-def changes_of(row: Mapping[str, Cell]) -> Changes:
-    """Parameters of a row of the tables that differ from the `paper` preset."""
-    values = {name: number(row, name) for name in _COLUMNS}
-    stiffness = number(row, "latch_torque") / LATCH_DEPTH ** values["latch_exponent"]
-    full = values["friction_speed_zero"] * number(row, "friction_speed_ratio")
-    changes: dict[str, Value] = {
-        **values,
-        # The tables have four digits, which give back the round values that named sets were searched with.
-        "latch_stiffness": float(f"{stiffness:.4g}"),
-        "friction_speed_full": float(f"{full:.4g}"),
-        "friction_sliding": str(row["sliding"]),
-    }
+def _changes(row: Mapping[str, Cell]) -> Changes:
+    changes: dict[str, Value] = {name: number(row, name) for name in _COLUMNS}
+    stiffness = number(row, "latch_torque") / LATCH_DEPTH ** number(row, "latch_exponent")
+    full = number(row, "friction_speed_zero") * number(row, "friction_speed_ratio")
+    # The tables have four digits, which give back the round values that named sets were searched with.
+    changes |= {"latch_stiffness": float(f"{stiffness:.4g}"), "friction_speed_full": float(f"{full:.4g}")}
+    changes["friction_sliding"] = str(row["sliding"])
     if row["stiffness"] == "eq 40":
         changes["contact_stiffness"] = None
     return tuple(changes.items())

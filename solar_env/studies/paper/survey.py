@@ -69,11 +69,7 @@ def _range_members(claim: Claim) -> range:
 
 
 def judge(claim: Claim, motions: Motions) -> Finding:
-    """Measure a claim on the runs that `planned_runs` lists.
-
-    Raises:
-        KeyError: if one of them is missing.
-    """
+    """Measure a claim on the runs that `planned_runs` lists."""
     members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.changes})
     figures = _figures(claim, motions, members)
     median, preset = float(np.median(figures)), ArrayParameters.preset("paper")

@@ -28,11 +28,7 @@ _ROTATIONS = ((-math.pi / 2, 1.0), (math.pi, -1.0))
 
 
 def build_peer(scene: Scene, implicit: bool) -> PeerArray:
-    """Assemble the array of a scene for an implicit solver, or for an explicit one, which takes no constraints.
-
-    Raises:
-        ValueError: if the scene has what the peer's objects cannot express.
-    """
+    """Assemble the array of a scene for an implicit solver, or for an explicit one, which takes no constraints."""
     p = scene.parameters
     if p.panel_count != 2 or max(p.entries("friction_speed_zero")) > 0.0:
         raise ValueError("the peer's objects express two panels, and friction that sets in at rest")

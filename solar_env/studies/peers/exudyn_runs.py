@@ -19,17 +19,10 @@ _STAGES = {"RK44": 4, "ExplicitMidpoint": 2}
 
 
 def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
-    """A scene with one of Exudyn's solvers on one thread.
+    """A scene with one of Exudyn's solvers on one thread, at a step [s].
 
-    Args:
-        scene: what moves; of two panels.
-        solver: "generalized-alpha" (index 3), or "explicit": for rigid panels, fourth order on a kinematic tree with
-            ideal joints, second order with clearance.
-        step: [s]; generalized-alpha halves it where Newton's iteration fails.
-
-    Raises:
-        ValueError: if the scene has what Exudyn's objects cannot express.
-        SimulationError: if the run cannot go on.
+    "generalized-alpha" (index 3) halves the step where Newton's iteration fails. "explicit", for rigid panels, is of
+    fourth order on a kinematic tree with ideal joints, and of second order with clearance.
     """
     explicit, clearance = solver == "explicit", scene.level.clearance
     array = build_peer(scene, implicit=not explicit)

@@ -56,11 +56,7 @@ def warm_up(plan: ChartPlan) -> None:
 
 
 def draw(names: Sequence[str], tables: Path, figures: Path) -> list[Path]:
-    """Draw studies from the tables in one folder into another; returns the files.
-
-    Raises:
-        ValueError: if a table does not exist.
-    """
+    """Draw studies from the tables in one folder into another; returns the files."""
     drawn: list[Path] = []
     for name in names:
         path = tables / table_file(name)

@@ -22,13 +22,12 @@ from solar_env.studies.common.motion import Motion, Scene, perturbed, run_own
 from solar_env.studies.common.plans import ChartPlan, Ensemble
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
-from solar_env.studies.precision.curves import ERRORS as METHOD_ERRORS
-from solar_env.studies.precision.curves import draw_curves
-from solar_env.studies.precision.work_precision import errors_of
+from solar_env.studies.precision import work_precision
+from solar_env.studies.precision.work_precision import draw_curves, errors_of
 from solar_env.support.files import write_text
 from solar_env.support.markdown import markdown_table
 
-ERRORS = {**METHOD_ERRORS, "reaction_error": "error of peak reactions"}
+ERRORS = {**work_precision.ERRORS, "reaction_error": "error of peak reactions"}
 # Totals of a `Motion` whose means over an ensemble are compared: label, and how many of its units make one of theirs.
 MEANS = {
     "peak_force_N": ("peak force [N]", 1.0),
@@ -73,21 +72,13 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
-    """A member of the ensemble of a scene at a level.
-
-    Raises:
-        SimulationError: if the run cannot go on.
-    """
+    """A member of the ensemble of a scene at a level."""
     parameters = perturbed(scene.parameters, member)
     return run_own(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
 def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
-    """A row for every level: cost and errors with ideal joints, then means of its ensemble with clearance.
-
-    Raises:
-        ValueError: if the level that others are compared with could not be simulated to its end.
-    """
+    """A row for every level: cost and errors with ideal joints, then means of its ensemble with clearance."""
     finest = [level for level in plan.levels if family(level) == MODES][-1]
     reference = results[finest, None].motion
     if reference is None:
@@ -153,18 +144,13 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str) -> tuple[float, float]:
-    """How far the mean of one ensemble is from that of another, relative to the latter, and the standard error of that.
-
-    Runs of both are taken to scatter alike, for one of them may have few.
-    """
-    means = [number(row, name) for row in (first, second)]
-    counts = [number(row, "runs") for row in (first, second)]
-    if means[1] == 0.0 or sum(counts) < 3:
+    """Relative difference of the mean of one ensemble from that of another, and its standard error; nan if unknown."""
+    (mean, error), (right, right_error) = (
+        [number(row, name + end) for end in ("", "_error")] for row in (first, second)
+    )
+    if right == 0.0:
         return math.nan, math.nan
-    errors = [number(row, f"{name}_error") for row in (first, second)]
-    squares = np.nansum([error**2 * count * (count - 1) for error, count in zip(errors, counts, strict=True)])
-    scatter = math.sqrt(squares / (sum(counts) - 2) * sum(1.0 / count for count in counts))
-    return means[0] / means[1] - 1.0, scatter / abs(means[1])
+    return mean / right - 1.0, math.hypot(error, right_error * mean / right) / abs(right)
 
 
 def conclusion(rows: Table) -> str:
@@ -175,9 +161,9 @@ def conclusion(rows: Table) -> str:
         for joint in JOINTS
         for statistic, (label, _) in MEANS.items()
     ]
-    found = [entry for entry in found if math.isfinite(entry[0])]
+    found = [entry for entry in found if math.isfinite(entry[0] + entry[1])]
     if not found:
-        return "Nothing was struck: no joint has latched"
+        return "Nothing to compare: no joint has latched, or ensembles have one run"
     beyond = [entry for entry in found if abs(entry[0]) > _BEYOND * entry[1]]
     change, error, what = max(beyond or found, key=lambda entry: abs(entry[0]))
     words = "have not met" if beyond else "go to one limit within sampling"

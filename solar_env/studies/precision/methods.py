@@ -47,11 +47,7 @@ class Method:
         return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
-        """A scene with the method's panels.
-
-        Raises:
-            SimulationError: if the run cannot go on.
-        """
+        """A scene with the method's panels."""
         return self.program(self.scene(scene), setting)
 
     def scene(self, scene: Scene) -> Scene:
@@ -81,6 +77,12 @@ def exudyn(solver: str) -> Program:
 
 _RIGID, _LOOSE, _FLEXIBLE, _LOOSE_FLEXIBLE = MODELS
 
+_STEPS = {
+    _RIGID: (1e-2, 1e-3, 1e-4),
+    _LOOSE: (1e-4, 5e-5, 2e-5),
+    _FLEXIBLE: (1e-2, 5e-3, 2e-3, 1e-3, 1e-4),
+    _LOOSE_FLEXIBLE: (1e-4, 5e-5, 2e-5),
+}
 METHODS: Mapping[str, Method] = {
     "runge-kutta": Method(
         "rtol",
@@ -107,26 +109,8 @@ METHODS: Mapping[str, Method] = {
         },
         panels="32 modes",
     ),
-    "generalized-alpha": Method(
-        "step",
-        own(lambda step: GeneralizedAlpha(step=step)),
-        {
-            _RIGID: (1e-2, 1e-3, 1e-4),
-            _LOOSE: (1e-4, 5e-5, 2e-5, 1e-5),
-            _FLEXIBLE: (1e-2, 5e-3, 2e-3, 1e-3, 1e-4),
-            _LOOSE_FLEXIBLE: (1e-4, 5e-5, 2e-5),
-        },
-    ),
-    "paper's scheme": Method(
-        "step",
-        own(lambda step: GeneralizedAlpha(step=step, rho_inf=1.0)),
-        {
-            _RIGID: (1e-2, 1e-3, 1e-4),
-            _LOOSE: (1e-4, 5e-5, 2e-5),
-            _FLEXIBLE: (1e-2, 1e-3, 1e-4),
-            _LOOSE_FLEXIBLE: (1e-4, 5e-5),
-        },
-    ),
+    "generalized-alpha": Method("step", own(lambda step: GeneralizedAlpha(step=step)), _STEPS),
+    "paper's scheme": Method("step", own(lambda step: GeneralizedAlpha(step=step, rho_inf=1.0)), _STEPS),
     "Exudyn generalized-alpha": Method(
         "step",
         exudyn("generalized-alpha"),

@@ -15,6 +15,7 @@ import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.array import ModelLevel
 from solar_env.pictures.style import METHOD_LOOKS, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save
 from solar_env.studies.common.levels import FINEST, Level
@@ -23,9 +24,8 @@ from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.convergence import run_level
-from solar_env.studies.precision.curves import ERRORS, draw_curves
 from solar_env.studies.precision.methods import METHODS
-from solar_env.studies.precision.work_precision import errors_of
+from solar_env.studies.precision.work_precision import ERRORS, draw_curves, errors_of
 from solar_env.support.files import write_text
 from solar_env.support.markdown import markdown_table
 
@@ -66,7 +66,6 @@ _COLUMNS = (
     "model", "method", "panels", "setting", "wall time [s]", "times real time", *ERRORS.values(),
     "peak forces over the converged ensemble's, joints 1 / 2", "peer's time over ours at no larger error",
 )  # fmt: skip
-_SIZE = (2.15, 2.1)  # of one panel with its labels [inch]
 
 
 @dataclass(frozen=True)
@@ -128,23 +127,18 @@ def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
         reference = results[Case(case.model, _REFERENCE)].motion
         if reference is None:
             raise ValueError(f"the reference of {case.model} could not be simulated to its end")
+        default, scene = ModelLevel.of(case.model), plan.deployment(case.model)
         labels: Row = {
             "model": case.model,
             "duration_s": plan.side_duration,
             "method": case.method,
-            "panels": _panels(plan, case),
+            "panels": default.size if case.method == DEFAULT else METHODS[case.method].size(scene),
             "value": case.value,
             "peer": int(case.method != DEFAULT and METHODS[case.method].peer),
             "failure": result.failure,
         }
         rows.append(labels | result.times() | errors_of(result.motion, reference, plan) | _force_ratios(case, results))
     return rows
-
-
-def _panels(plan: ChartPlan, case: Case) -> str:
-    if case.method == DEFAULT:
-        return Level(case.model).size
-    return METHODS[case.method].size(plan.deployment(case.model))
 
 
 def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
@@ -178,7 +172,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
     """Draw wall time against the error of angles, a column for each model, and write the table; returns the files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
-    figure, axes = make_figure(1, len(models), _SIZE, len(looks))
+    figure, axes = make_figure(1, len(models), (2.15, 2.1), len(looks))
     with mpl.rc_context(STYLE):
         for axis, model in zip(axes[0], models, strict=True):
             draw_curves(axis, rows.where(model=model), "angle_error_rad", "wall_s", looks)

@@ -12,29 +12,31 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 
 from solar_env.array import ModelLevel
-from solar_env.pictures.style import FAINT, METHOD_LOOKS, STYLE, look_of
-from solar_env.studies.common.drawing import make_figure, save, short
+from solar_env.pictures.style import FAINT, METHOD_LOOKS, STYLE, Look, look_of
+from solar_env.studies.common.drawing import make_figure, save, short, use_decades
 from solar_env.studies.common.measures import angle_error, latch_error
 from solar_env.studies.common.motion import Motion
 from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
-from solar_env.studies.precision.curves import ERRORS, draw_curves, positive_points
 from solar_env.studies.precision.methods import METHODS, REFERENCES
 from solar_env.support.files import write_text
 from solar_env.support.markdown import markdown_table
 
 Key = tuple[str, str, float]  # model, method and setting
+ERRORS = {
+    "angle_error_rad": "error of angles before the latch [rad]",
+    "latch_error_s": "error of latch times [s]",
+}
 COSTS = {"wall_s": "wall time [s]", "evaluations": "evaluations", "factorizations": "factorisations"}
 ERROR = "angle_error_rad"
 GOAL = 1e-4  # error that the conclusion asks for [rad]
 # Errors closer to the floor than this factor follow no order.
 _ABOVE_FLOOR = 10.0
 _FITTED = 3  # settings
-# Of one panel with its labels, and of all in a row at least [inch].
-_WIDTH, _HEIGHT, _LEAST_WIDTH = 2.15, 1.9, 6.4
 
 
 def runs(plan: ChartPlan) -> dict[Key, Job]:
@@ -56,11 +58,7 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
-    """A row for every method at every setting, with the floor of its model and panels.
-
-    Raises:
-        ValueError: if a reference could not be simulated to its end.
-    """
+    """A row for every method at every setting, with the floor of its model and panels."""
     by_panels: dict[tuple[str, str], tuple[Motion, float]] = {}
     for model in plan.models:
         for name, values in REFERENCES[model]:
@@ -103,8 +101,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
     """Draw a column for each model and a row for each cost, and write the table in Markdown; returns the files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
-    size = max(_WIDTH, _LEAST_WIDTH / len(models)), _HEIGHT
-    figure, axes = make_figure(len(COSTS), len(models), size, len(looks))
+    figure, axes = make_figure(len(COSTS), len(models), (max(2.15, 6.4 / len(models)), 1.9), len(looks))
     with mpl.rc_context(STYLE):
         for column, model in zip(axes.T, models, strict=True):
             own = rows.where(model=model)
@@ -122,6 +119,18 @@ def draw(rows: Table, folder: Path) -> list[Path]:
     return [picture, page]
 
 
+def draw_curves(axis: Axes, rows: Table, error: str, cost: str, looks: Mapping[str, Look], by: str = "method") -> None:
+    """A column of costs against one of errors, a curve for each value of the column `by`, on logarithmic axes."""
+    axis.set(xscale="log", yscale="log")
+    for name in rows.values(by):
+        own = rows.where(**{by: name})
+        points = np.array([own.column(error), own.column(cost)])
+        errors, costs = points[:, np.all(np.isfinite(points) & (points > 0.0), axis=0)]
+        axis.plot(errors, costs, markersize=4, **looks[str(name)])
+    use_decades(axis, "x")
+    use_decades(axis, "y")
+
+
 def cheapest(rows: Table) -> Mapping[str, Cell] | None:
     """The row of least wall time among those whose error is within the goal; None if there is none."""
     within = [row for row in rows.rows if 0.0 < number(row, ERROR) <= GOAL]
@@ -136,7 +145,8 @@ def order(rows: Table) -> float:
     """
     steps, errors = rows.column("steps"), rows.column(ERROR)
     counts = np.where(np.isfinite(steps), steps, rows.column("evaluations"))
-    counts, errors = positive_points(counts, np.where(errors > _ABOVE_FLOOR * rows.column("floor_rad"), errors, 0.0))
+    above = np.isfinite(counts) & (errors > _ABOVE_FLOOR * rows.column("floor_rad"))
+    counts, errors = counts[above], errors[above]
     if len(counts) < _FITTED or ModelLevel.of(str(rows.rows[0]["model"])).clearance:
         return math.nan
     finest = np.argsort(counts)[-_FITTED:]

@@ -139,11 +139,7 @@ def measure_threads(model: str) -> dict[str, float]:
 
 
 def measure_peers(model: str) -> dict[str, float]:
-    """Throughput of COMPARED_LANES native lanes over that of Gymnasium's and Stable-Baselines3's vectors.
-
-    Raises:
-        ImportError: without Stable-Baselines3.
-    """
+    """Throughput of COMPARED_LANES native lanes over that of Gymnasium's and Stable-Baselines3's vectors."""
     from stable_baselines3.common.vec_env import SubprocVecEnv
 
     chosen = spread(model, COMPARED_LANES)

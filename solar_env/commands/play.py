@@ -8,7 +8,7 @@ import numpy as np
 from solar_env.commands.arguments import Assignments
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.showing.window import open_display
-from solar_env.pictures.raster import CARD, INK
+from solar_env.pictures.frame import CARD, INK
 from solar_env.pictures.style import BLUE, FAINT
 
 BAR = 64  # pixels below the frame: the slider, and what it means

@@ -21,7 +21,7 @@ from agents.policies.c_form import c_header, interface_comment
 from agents.policies.card import card
 from agents.policies.policy import ShippedPolicy
 from agents.rollout import run_episode
-from solar_env.support.files import check_name, check_target, copy_file, new_folder, write_bytes, write_text
+from solar_env.support.files import check_target, copy_file, new_folder, write_bytes, write_text
 from solar_env.support.plain_arrays import read_json
 
 TOLERANCE = 1e-5  # of actions, between the network and its ONNX form
@@ -137,7 +137,6 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
             scores of it.
     """
     form = onnx_form()
-    check_name(folder)
     if folder.name in LAWS or not re.fullmatch(r"\w[\w-]*", folder.name):
         raise ValueError(
             f"the folder's name is {folder.name!r}, and the policy's; choose one of letters, digits, underscores and "

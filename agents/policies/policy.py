@@ -8,7 +8,7 @@ import numpy as np
 
 from agents.policies.network import PolicyNetwork
 from agents.torque_laws import DeterministicController, Signals
-from solar_env.support.field_types import check_types
+from solar_env.support.numbers import check_types
 
 
 @dataclass(frozen=True)

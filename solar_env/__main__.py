@@ -3,7 +3,6 @@
 Commands are rows of `[project.entry-points."solar_env.commands"]` in pyproject.toml.
 """
 
-import errno
 import os
 import sys
 import warnings
@@ -12,10 +11,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 from solar_env.commands import table
-from solar_env.support.interruption import first_alone, report_interruption
+from solar_env.support.interruption import report_interruption
 
 PROG = "solar-env"
-_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)  # of output that has no name
 
 
 def overview() -> str:
@@ -35,15 +33,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     usual = warnings.formatwarning
     warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"  # without the line of code
     try:
-        with first_alone():
-            status = _answer(words)
+        status = _answer(words)
         if sys.stdout is not None:
             sys.stdout.flush()
         return status
+    except SystemExit as stop:  # of the parser
+        return int(stop.code or 0)
     except BrokenPipeError:  # who reads the output has left, as `head` does
         _drop_output()
         return 0
-    except (ValueError, OSError, MemoryError) as error:
+    except (ValueError, OSError, MemoryError, RuntimeError) as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # Python's, of Ctrl-C while a class is being made
+            return report_interruption(error.__cause__)
+        if isinstance(error, RuntimeError) and not _failed_run(error):
+            raise
         _drop_output()
         print("; ".join([f"error: {_sentence(error)}", *getattr(error, "__notes__", ())]), file=sys.stderr)
         return 2
@@ -60,7 +63,7 @@ def _answer(words: Sequence[str]) -> int:
     if words[0] == "--version":
         print(f"{PROG} {version('solar-env')}")
         return 0
-    return _run(words[0], words[1:])
+    return execute(words[0], words[1:])
 
 
 def _sentence(error: Exception) -> str:
@@ -69,13 +72,13 @@ def _sentence(error: Exception) -> str:
         return f"memory has no room for what was asked for ({str(error) or 'it is full'}); ask for less"
     if not isinstance(error, OSError) or error.strerror is None:
         return str(error)
-    if error.filename is not None and error.errno in _FULL:
-        return f"{error.filename} cannot be written ({error.strerror}); make room, or choose another place"
-    if error.filename is not None:
-        return f"{error.filename}: {error.strerror}"
-    if error.errno in _FULL:
-        return f"the output cannot be written ({error.strerror}); make room, or send it elsewhere"
-    return error.strerror
+    return f"{'the output' if error.filename is None else error.filename}: {error.strerror}"
+
+
+def _failed_run(error: RuntimeError) -> bool:
+    from solar_env.mechanics.running.errors import SimulationError
+
+    return isinstance(error, SimulationError)
 
 
 def _drop_output() -> None:
@@ -99,22 +102,6 @@ def execute(name: str, words: Sequence[str]) -> int:
 
     status: int = module.run_command(parse_arguments(module.Args, words, f"{PROG} {name}"))
     return status
-
-
-def _run(name: str, words: Sequence[str]) -> int:
-    try:
-        return execute(name, words)
-    except SystemExit as stop:  # of the parser
-        return int(stop.code or 0)
-    except RuntimeError as error:
-        if isinstance(error.__cause__, KeyboardInterrupt):  # Python's, of Ctrl-C while a class is being made
-            raise error.__cause__ from None
-        from solar_env.mechanics.running.errors import SimulationError
-
-        if not isinstance(error, SimulationError):
-            raise
-        print(f"error: {error}", file=sys.stderr)
-        return 2
 
 
 if __name__ == "__main__":

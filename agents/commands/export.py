@@ -17,7 +17,7 @@ from agents.policies import shipped
 from agents.policies.c_form import c_header, interface_comment
 from agents.policies.card import card
 from agents.policies.shipped import ShippedPolicy
-from solar_env.support.files import check_name, check_target, new_folder, write_bytes, write_text
+from solar_env.support.files import check_target, new_folder, write_bytes, write_text
 
 TOLERANCE = 1e-5  # of actions, between the network and its ONNX form
 
@@ -91,7 +91,6 @@ def export(run: str | Path, folder: Path) -> ShippedPolicy:
         ValueError: ONNX is not installed, the name is a law's, or the training was interrupted.
     """
     form = onnx_form()
-    check_name(folder)
     if folder.name in LAWS or not re.fullmatch(r"\w[\w-]*", folder.name):
         raise ValueError(
             f"the folder's name is {folder.name!r}, and the policy's; choose one of letters, digits, underscores and "

@@ -17,8 +17,8 @@ from agents.laws.baselines import CONFIGS
 from agents.learning.weight_search import CMAES, WeightSearch
 from agents.policies import shipped
 from agents.policies.shipped import ShippedPolicy
-from solar_env.support.field_types import check_types
-from solar_env.support.files import check_name, make_folder, write_text
+from solar_env.support.files import make_folder, write_text
+from solar_env.support.numbers import check_types
 from solar_env.support.plain_arrays import read_arrays, read_json
 
 LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions policies depend on, beside those of all
@@ -145,7 +145,6 @@ def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) ->
     """
     name = f"{re.sub(r'[^A-Za-z0-9.-]+', '-', env_id)}__{algo}__{seed}__{datetime.now():%Y%m%d-%H%M%S}"
     folder = Path(out) if out else Path("runs") / name
-    check_name(folder)
     if (folder / CONFIG).exists():
         raise FileExistsError(f"{folder} holds a run already; choose another --out, or go on from it with --resume")
     return make_folder(folder)

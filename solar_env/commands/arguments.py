@@ -2,16 +2,14 @@
 
 import ast
 import contextlib
-import copy
 import dataclasses
 import io
 import re
 import shlex
 import sys
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_origin, get_type_hints
+from typing import Annotated, Any, TypeVar
 
 import tyro
 from rich.console import Console
@@ -151,7 +149,7 @@ _PAIRS: tyro.constructors.PrimitiveConstructorSpec[dict[str, Any]] = tyro.constr
     str_from_instance=lambda value: [f"{key}={item}" for key, item in value.items()],
 )
 Assignments = Annotated[dict[str, Any], _PAIRS]
-"""Type of a field that takes `key=value` pairs, also when its option is repeated."""
+"""Type of a field that takes `key=value` pairs."""
 
 
 def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None = None) -> Arguments:
@@ -160,67 +158,29 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
     Field `env_id` becomes `--env-id`, its help is the string literal below it; a bool becomes a flag, a list takes any
     number of values, `Assignments` take `key=value` pairs. Wrong input ends the process with one sentence and status 2.
     """
-    report = io.StringIO(_empty_value(cls, argv))
+    report = io.StringIO(_senseless(argv))
     try:
-        if report.getvalue() and "--help" not in argv:
+        if report.getvalue():
             raise SystemExit(2)
         with contextlib.redirect_stderr(report):
             config = (tyro.conf.DisallowNone, tyro.conf.FlagCreatePairsOff)
-            read = tyro.cli(_with_plain_defaults(cls), args=_gathered(cls, argv), prog=prog, config=config)
+            read = tyro.cli(cls, args=argv, prog=prog, config=config)
     except SystemExit as end:
         if end.code:
             print(f"error: {_first_sentence(report.getvalue())}; see --help", file=sys.stderr)
         raise
-    values = {field.name: getattr(read, field.name) for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
-    if issubclass(cls, CommandRecord):
-        values["command"] = shlex.join([*(prog or "").split(), *argv])
-    return cls(**values)
+    if isinstance(read, CommandRecord):
+        read.command = shlex.join([*(prog or "").split(), *argv])
+    return read
 
 
-def _option(name: str) -> str:
-    return f"--{name.replace('_', '-')}"
-
-
-def _empty_value(cls: type[Any], argv: Sequence[str]) -> str:
-    """What is said of a list without values, or an empty word, as of a variable of the shell that is not set."""
-    lists = {_option(name) for name, kind in get_type_hints(cls).items() if get_origin(kind) is list}
-    option = ""
-    for word, following in pairwise([*argv, "--"]):
-        option = f" of {word.partition('=')[0]}" if word.startswith("--") else option
-        if not word or re.fullmatch(r"--[\w-]+=", word):
-            return f"\na value{option} is empty; give one, or leave it out"
-        if word in lists and following.startswith("--"):
-            return f"\n{word} is given without a value; give at least one, or leave it out"
-    return ""
-
-
-def _with_plain_defaults(cls: type[Any]) -> type[Any]:
-    """A dataclass like `cls` whose help shows defaults in parentheses, and none where there is none."""
-    body: dict[str, Any] = {field.name: copy.copy(field) for field in dataclasses.fields(cls)}
-    plain = tyro.conf.arg(help_behavior_hint=lambda text: "" if text in ("None", "False", "") else f"({text})")
-    hints = get_type_hints(cls, include_extras=True)
-    body["__annotations__"] = {name: Annotated[hints[name], plain] for name in body}
-    return dataclasses.dataclass(
-        type(cls.__name__, (cls,), {**body, "__doc__": cls.__doc__, "__module__": cls.__module__})
-    )
-
-
-def _gathered(cls: type[Any], argv: Sequence[str]) -> list[str]:
-    """`argv` with all pairs of an option behind one mention of it: tyro keeps those of the last alone."""
-    hints = get_type_hints(cls, include_extras=True)
-    repeatable = {_option(name) for name, kind in hints.items() if kind == Assignments}
-    others: list[str] = []
-    pairs: dict[str, list[str]] = {}
-    place = others
-    for word in argv:
-        option, equals, value = word.partition("=")
-        if option in repeatable:
-            place = pairs.setdefault(option, [option])
-            place += [value] if equals else []
-        else:
-            place = others if word.startswith("--") else place
-            place.append(word)
-    return [*others, *(word for of_option in pairs.values() for word in of_option)]
+def _senseless(argv: Sequence[str]) -> str:
+    """What tyro lets pass: an empty word, as of a variable of the shell that is not set, and an option repeated."""
+    options = [word.partition("=")[0] for word in argv if word.startswith("--")]
+    twice = [option for option in options if options.count(option) > 1]
+    if "" in argv or any(f"{option}=" in argv for option in options):
+        return "\na value is empty; give one, or leave it out"
+    return f"\n{twice[0]} is given twice; give it once" if twice else ""
 
 
 def _first_sentence(report: str) -> str:

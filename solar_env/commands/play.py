@@ -8,10 +8,10 @@ import numpy as np
 from solar_env.commands.arguments import Assignments
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.showing.window import open_display
-from solar_env.pictures.raster import CARD, INK
+from solar_env.pictures.frame import CARD, INK
 from solar_env.pictures.style import BLUE, FAINT
 
-BAR = 64  # pixels below the frame: the slider, and what it means
+BAR = 64  # pixels below the frame: the torque, and what it means
 _MARGIN = 24
 _STEPS = 20  # of a key, from no torque to the limit
 
@@ -20,8 +20,7 @@ _STEPS = 20  # of a key, from no torque to the limit
 class Args:
     """Drive the array by hand in a window: land it softly.
 
-    Keys: left and right turn the motor torque down and up, 0 sets it to nothing, the mouse moves its slider; space
-    pauses, n goes on by a single step, r begins anew, q ends.
+    Keys: left and right turn the motor torque down and up, 0 sets it to nothing; space pauses, r begins anew, q ends.
     """
 
     env_id: str = DEPLOY
@@ -35,7 +34,7 @@ class Args:
 
 
 class Player:
-    """An episode in a window; `handle` takes an event, `tick` goes on by a control period, `draw` shows the state.
+    """An episode in a window; `press` takes a key, `tick` goes on by a control period, `draw` shows the state.
 
     Attributes:
         torque: in units of the limit, -1 to 1.
@@ -49,37 +48,20 @@ class Player:
         # Display and fonts alone: sound, say, complains at length where there is no device.
         self._game = pygame = open_display()
         pygame.font.init()
-        self._env, self._seed = env, seed
-        self.torque, self.paused, self.running, self._dragging = 0.0, True, True, False
-        self.restart()
+        self._env, self._seed, self.running = env, seed, True
+        self._restart()
         height, width = self._frame.shape[:2]
         self._window = pygame.display.set_mode((width, height + BAR))
         pygame.display.set_caption("solar-env play")
         self._font = pygame.font.Font(None, 26)
-        self._track = (_MARGIN, width - _MARGIN, height + 18)
 
-    def restart(self) -> None:
-        """Begin the episode anew, paused."""
+    def _restart(self) -> None:
         self._env.reset(seed=self._seed)
         self.torque, self.score, self.ended, self.paused, self.peak = 0.0, 0.0, False, True, 0.0
         self._frame = self._env.render()
 
-    def handle(self, event: Any) -> None:
-        """Take a key, a movement of the mouse, or the closing of the window."""
-        game = self._game
-        if event.type == game.QUIT:
-            self.running = False
-        elif event.type == game.KEYDOWN:
-            self._press(event.key)
-        elif event.type == game.MOUSEBUTTONDOWN and event.pos[1] > self._frame.shape[0]:
-            self._dragging = True
-            self._slide(event.pos[0])
-        elif event.type == game.MOUSEMOTION and self._dragging:
-            self._slide(event.pos[0])
-        elif event.type == game.MOUSEBUTTONUP:
-            self._dragging = False
-
-    def _press(self, key: int) -> None:
+    def press(self, key: int) -> None:
+        """Take a key."""
         game = self._game
         if key in (game.K_LEFT, game.K_RIGHT):
             change = (1.0 if key == game.K_RIGHT else -1.0) / _STEPS
@@ -88,26 +70,14 @@ class Player:
             self.torque = 0.0
         elif key == game.K_SPACE:
             self.paused = not self.paused
-        elif key == game.K_n:
-            self.paused = True
-            self.step()
         elif key == game.K_r:
-            self.restart()
+            self._restart()
         elif key in (game.K_q, game.K_ESCAPE):
             self.running = False
 
-    def _slide(self, x: float) -> None:
-        left, right, _ = self._track
-        self.torque = min(max(2.0 * (x - left) / (right - left) - 1.0, -1.0), 1.0)
-
     def tick(self) -> None:
-        """Go on by a control period, unless paused."""
-        if not self.paused:
-            self.step()
-
-    def step(self) -> None:
-        """Go on by a control period, unless the episode has ended."""
-        if self.ended:
+        """Go on by a control period, unless paused or at the end."""
+        if self.paused or self.ended:
             return
         _, reward, self.ended, _, _ = self._env.step(np.array([self.torque], dtype=np.float32))
         self.score += float(reward)
@@ -116,25 +86,19 @@ class Player:
 
     def draw(self) -> None:
         """Show the present state, the torque and the score."""
-        game, window, (left, right, y) = self._game, self._window, self._track
+        game, window, (height, width) = self._game, self._window, self._frame.shape[:2]
         window.fill(CARD)
         window.blit(game.surfarray.make_surface(self._frame.swapaxes(0, 1)), (0, 0))
-        middle, x = (left + right) // 2, left + 0.5 * (self.torque + 1.0) * (right - left)
-        game.draw.line(window, FAINT, (left, y), (right, y), 4)
-        game.draw.line(window, BLUE, (middle, y), (x, y), 4)
-        game.draw.circle(window, BLUE, (x, y), 9)
-        limit = self._env.unwrapped.task.torque_limit
+        y, middle, reach = height + 18, width / 2, width / 2 - _MARGIN
+        game.draw.line(window, FAINT, (middle - reach, y), (middle + reach, y), 4)
+        game.draw.line(window, BLUE, (middle, y), (middle + self.torque * reach, y), 4)
         state = "ended, r: again" if self.ended else "paused, space: go on" if self.paused else "space: pause"
         text = (
-            f"torque {self.torque * limit:+.3f} N m     return {self.score:.3f}     peak after latching "
-            f"{self.peak:.0f} N     {state}, n: step, q: quit"
+            f"torque {self.torque * self._env.unwrapped.task.torque_limit:+.3f} N m     return {self.score:.3f}     "
+            f"peak after latching {self.peak:.0f} N     {state}, q: quit"
         )
-        window.blit(self._font.render(text, True, INK), (left, y + 18))
+        window.blit(self._font.render(text, True, INK), (_MARGIN, y + 18))
         game.display.flip()
-
-    def close(self) -> None:
-        """Close the window."""
-        self._game.quit()
 
 
 def run_command(args: Args) -> int:
@@ -159,11 +123,14 @@ def run_command(args: Args) -> int:
     try:
         while player.running:
             for event in pygame.event.get():
-                player.handle(event)
+                if event.type == pygame.QUIT:
+                    player.running = False
+                elif event.type == pygame.KEYDOWN:
+                    player.press(event.key)
             player.tick()
             player.draw()
             clock.tick(rate)
     finally:
-        player.close()
+        pygame.quit()
     print(f"return {player.score:.3f}, peak force after latching {player.peak:.0f} N")
     return 0

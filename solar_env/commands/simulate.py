@@ -13,12 +13,11 @@ from rich.table import Table
 from solar_env.array import ModelLevel, build
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.commands.arguments import ArrayOption, Assignments, QuietOption
-from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.support.files import check_target, write_text
-from solar_env.support.progress import share_bar
+from solar_env.support.progress import counting_bar
 
 _INTEGRATOR_HELP = f"one of {', '.join(INTEGRATOR_NAMES)}; by default the model's best"
-_NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the command says so
+_DIGITS = 5  # significant, that are printed; files have all
 
 
 @dataclass
@@ -72,7 +71,7 @@ def run_command(args: Args) -> int:
     from solar_env.commands.warmup import warm_up
 
     warm_up(args.console, level.name, name)
-    with share_bar(args.console) as progress:
+    with counting_bar(args.console) as progress:
         task = progress.add_task("seconds simulated", total=args.duration)
         trajectory = simulate(
             parameters,
@@ -83,9 +82,6 @@ def run_command(args: Args) -> int:
             progress=lambda time: progress.update(task, completed=time),
         )
     summary = trajectory.summary()
-    share = summary["stability_bound_steps"] / summary["steps"]
-    if name == RungeKutta.name and share > _NOTEWORTHY_SHARE:
-        args.console.print(_stability_note(share), highlight=False, soft_wrap=True)
     if str(args.json) == "-":
         json.dump(summary, sys.stdout, indent=2)
         print()
@@ -100,30 +96,9 @@ def run_command(args: Args) -> int:
     return 0
 
 
-def _stability_note(share: float) -> str:
-    return (
-        f"{100.0 * share:.0f} % of the steps were as long as the stability of the explicit "
-        f"method on the panels' axial vibration allows; a looser tolerance does not make them longer, the integrator "
-        f"'{Rosenbrock.name}' does"
-    )
-
-
-# Significant digits that are printed: contact forces, and what follows from them, scatter by some percent from run to
-# run after the first impacts; what comes before, or is no result of the motion, does not. Files have all digits.
-_DIGITS = 3
-_MORE_DIGITS = {"duration_s": 6, "latch_times_s": 5, "theta_end_rad": 4, "energy_put_in_J": 5}
-
-
-def printed(name: str, value: Any) -> str:
-    """A figure of the summary, with as many digits as it can have."""
-    if not isinstance(value, float):
-        return str(value)
-    return f"{float(f'{value:.{_MORE_DIGITS.get(name, _DIGITS)}g}'):g}"
-
-
 def _print_summary(summary: dict[str, Any]) -> None:
     table = Table(title=f"{summary['model']}, {summary['duration_s']:g} s", show_header=False)
     for key, value in summary.items():
         values = value if isinstance(value, list) else [value]
-        table.add_row(key, ", ".join(printed(key, entry) for entry in values))
+        table.add_row(key, ", ".join(f"{v:.{_DIGITS}g}" if isinstance(v, float) else str(v) for v in values))
     Console().print(table)

@@ -87,7 +87,7 @@ class Campaign:
         admits: whether something in the file can be a result.
 
     Raises:
-        ValueError: if the file belongs to another campaign or is damaged, or two cells are alike.
+        ValueError: if the file belongs to another campaign or is damaged.
     """
 
     def __init__(
@@ -98,52 +98,34 @@ class Campaign:
         settings: Mapping[str, Any] | None = None,
         admits: Callable[[Any], bool] = lambda _: True,
     ) -> None:
-        self._function, self._admits = function, admits
-        self.cells = tuple(cells)
-        self._store = store
-        keys = [_key(cell) for cell in self.cells]
-        if len(set(keys)) < len(keys):
-            raise ValueError("two cells of the campaign are alike")
+        self._function, self._store = function, store
+        self.cells = {_key(cell): cell for cell in cells}
         name = f"{function.__module__}.{function.__qualname__}"
-        self._made_by = {"function": name, "code": _code_digest(), "settings": dict(settings or {})}
+        made_by = json.dumps({"function": name, "code": _code_digest(), "settings": settings or {}}, sort_keys=True)
         self._results: dict[str, Any] = {}
         kept = store.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True) if store.exists() else []
         # An interruption may have cut the last line short: then its cell is done again.
-        whole = [line for line in kept if line.endswith("\n")]
-        if whole:
-            self._load(whole, set(keys))
-            if len(whole) < len(kept):
-                write_text(store, "".join(whole))
-        else:
+        whole = [line for line in kept if line.endswith("\n")] or [made_by + "\n"]
+        if whole[0] != made_by + "\n":
+            raise ValueError(f"{store} was made by other code or with other settings; delete it or choose another")
+        for line in whole[1:]:
+            try:
+                row = parse_json(line)
+                key, result = _key(row["cell"]), row["result"]
+                if key in self.cells and not admits(result):
+                    raise ValueError(f"{json.dumps(result)[:80]} is the result of no cell")
+            except (KeyError, TypeError, ValueError) as error:
+                told = f"{store} is damaged: a line of it holds no cell with its result ({error})"
+                raise ValueError(f"{told}; delete it, and the work is done again") from error
+            self._results[key] = result
+        if whole != kept:
             make_folder(store.parent)
-            write_text(store, json.dumps(self._made_by, sort_keys=True) + "\n")
-
-    def _load(self, lines: Sequence[str], keys: set[str]) -> None:
-        try:
-            made_by, *rows = [parse_json(line) for line in lines]
-            found = {_key(row["cell"]): row["result"] for row in rows}
-        except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(
-                f"{self._store} is damaged: a line of it holds no cell with its result ({error}); delete it, and the "
-                "work is done again"
-            ) from error
-        if made_by != json.loads(json.dumps(self._made_by)):
-            raise ValueError(
-                f"{self._store} was made by other code or with other settings; delete it or choose another"
-            )
-        for key, result in found.items():
-            if key in keys:
-                if not self._admits(result):
-                    raise ValueError(
-                        f"{self._store} is damaged: {json.dumps(result)[:80]} is the result of no cell; delete it, and "
-                        "the work is done again"
-                    )
-                self._results[key] = result
+            write_text(store, "".join(whole))
 
     @property
     def missing(self) -> tuple[Cell, ...]:
         """The cells that are not done, in their order."""
-        return tuple(cell for cell in self.cells if _key(cell) not in self._results)
+        return tuple(cell for key, cell in self.cells.items() if key not in self._results)
 
     def run(self, workers: Workers = ONE) -> Iterator[Cell]:
         """Do what is missing, and yield each cell when its result is in the file."""
@@ -161,8 +143,7 @@ class Campaign:
     def run_shown(self, workers: Workers, console: Console, cells: str) -> list[Any]:
         """Do what is missing under a bar that says what `cells` are; returns the results of all cells."""
         with counting_bar(console) as bar:
-            done = len(self.cells) - len(self.missing)
-            task = bar.add_task(cells, total=len(self.cells), completed=done)
+            task = bar.add_task(cells, total=len(self.cells), completed=len(self.cells) - len(self.missing))
             for _ in self.run(workers):
                 bar.advance(task)
         return self.results()
@@ -172,14 +153,8 @@ class Campaign:
         return f"kept {done} of {total} results in {self._store}; the same command goes on from there"
 
     def results(self) -> list[Any]:
-        """The results of all cells, in their order.
-
-        Raises:
-            ValueError: if some are missing.
-        """
-        if self.missing:
-            raise ValueError(f"{len(self.missing)} of {len(self.cells)} cells are not done; run the campaign first")
-        return [self._results[_key(cell)] for cell in self.cells]
+        """The results of all cells, in their order, once none is missing."""
+        return [self._results[key] for key in self.cells]
 
 
 @cache

@@ -7,13 +7,13 @@ the file system. Whatever ends the process in between, a kill or a full disk, le
 import os
 import secrets
 import shutil
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
 PART = ".part"  # end of the names of unfinished files and folders
-_KEPT = 50  # characters of a name that an unfinished one has too: the whole of it might be too long
 
 
 @contextmanager
@@ -70,7 +70,7 @@ def new_folder(path: str | Path) -> Iterator[Path]:
 
 
 def _unfinished(target: Path) -> Path:
-    return target.with_name(f".{target.name[:_KEPT]}.{secrets.token_hex(4)}{PART}")
+    return target.with_name(f".{secrets.token_hex(8)}{PART}")
 
 
 def _sync_folder(folder: Path) -> None:
@@ -112,13 +112,8 @@ def make_folder(path: str | Path) -> Path:
         OSError: it cannot be made, or no file can be written there.
     """
     folder = Path(path)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError) as error:
-        raise NotADirectoryError(f"{folder} cannot be a folder: a file is in its place; choose another") from error
-    except OSError as error:
-        raise OSError(f"{folder} cannot be made ({_reason(error)}); choose another folder") from error
-    _try_writing(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    tempfile.TemporaryFile(dir=folder).close()
     return folder
 
 
@@ -130,7 +125,6 @@ def check_target(path: str | Path, suffixes: Sequence[str] = ()) -> None:
         OSError: no file can be written there, or have this name.
     """
     target = Path(path)
-    check_name(target)
     if suffixes and target.suffix.lower() not in suffixes:
         raise ValueError(f"the suffix {target.suffix!r} of {target} is unknown; choose from {', '.join(suffixes)}")
     if not target.parent.is_dir():
@@ -138,29 +132,4 @@ def check_target(path: str | Path, suffixes: Sequence[str] = ()) -> None:
     if target.is_dir():
         raise ValueError(f"{target} is a folder; name a file in it")
     if not target.exists() or target.is_file():
-        _try_writing(target.parent)
-
-
-def check_name(path: str | Path) -> None:
-    """Check that the system can look for a file or folder at `path`, be there one or not.
-
-    Raises:
-        OSError: its name is too long, or a folder on the way must not be looked into.
-    """
-    try:
-        Path(path).exists()
-    except OSError as error:
-        raise OSError(f"nothing can be written at {path} ({_reason(error)}); choose another name") from error
-
-
-def _reason(error: OSError) -> str:
-    return error.strerror or str(error)
-
-
-def _try_writing(folder: Path) -> None:
-    trial = folder / f".{secrets.token_hex(4)}{PART}"
-    try:
-        trial.touch(exist_ok=False)
-        trial.unlink()
-    except OSError as error:
-        raise OSError(f"no file can be written in {folder} ({_reason(error)}); choose another folder") from error
+        tempfile.TemporaryFile(dir=target.parent).close()

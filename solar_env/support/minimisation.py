@@ -19,17 +19,9 @@ def minimise(
 ) -> list[np.ndarray]:
     """Minimise a noisy objective over the unit cube by CMA-ES (N. Hansen, 2016, arXiv:1604.00772).
 
-    Args:
-        objective: Maps the points of a generation, each (n,) in [0, 1], to their costs.
-        start: Point (n,) to start from.
-        points: Budget of points, spent in whole generations.
-        spread: Standard deviation of the first generation in each direction.
-
-    Returns:
-        The start, the best point seen, and the final mean of the search distribution.
-
-    Raises:
-        ValueError: The budget holds no generation; nothing has been simulated then.
+    `objective` maps the points of a generation to their costs; `points` is the budget, spent in whole generations, and
+    `spread` the standard deviation of the first one in each direction. Returns the start, the best point seen, and the
+    final mean of the search; a ValueError says that the budget holds no generation.
     """
     # Left to itself pycma draws from NumPy's global generator, which a training in between seeds anew.
     normal = np.random.RandomState(seed + 1).randn

@@ -1,8 +1,19 @@
-"""Checks of numbers that users or files give, and their plain form."""
+"""Checks of values that users or files give, and their plain form."""
 
-from typing import Any
+import math
+from types import UnionType
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
+
+_WANTED = {
+    str: "a text",
+    int: "a whole number, not negative",
+    float: "a finite number",
+    dict: "a mapping",
+    tuple: "a list of names of letters, digits and underscores",
+    type(None): "null",
+}
 
 
 def is_number(value: object) -> bool:
@@ -20,3 +31,30 @@ def plain(value: Any) -> Any:
     if isinstance(value, (np.generic, np.ndarray)):
         value = value.tolist()
     return tuple(plain(entry) for entry in value) if isinstance(value, (list, tuple)) else value
+
+
+def check_types(record: Any) -> None:
+    """Check that the fields of a dataclass hold what their annotations say.
+
+    Whole numbers must not be negative, numbers be finite, and a tuple hold identifiers; a mapping may hold anything.
+
+    Raises:
+        ValueError: A field does not; the message names the field, its value and what to give.
+    """
+    for name, annotation in get_type_hints(type(record)).items():
+        kinds = get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
+        kinds = tuple(get_origin(kind) or kind for kind in kinds)
+        value = getattr(record, name)
+        if not any(_is_a(kind, value) for kind in kinds):
+            wanted = " or ".join(_WANTED[kind] for kind in kinds)
+            raise ValueError(f"{name} is {repr(value)[:100]}; give {wanted}")
+
+
+def _is_a(kind: type, value: Any) -> bool:
+    if kind is int:
+        return is_whole_number(value, 0)
+    if kind is float:
+        return is_number(value) and abs(value) < math.inf
+    if kind is tuple:
+        return isinstance(value, tuple) and all(isinstance(entry, str) and entry.isidentifier() for entry in value)
+    return isinstance(value, kind)

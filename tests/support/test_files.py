@@ -5,6 +5,7 @@ import os
 import re
 import signal
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -39,19 +40,7 @@ def test_every_file_is_written_by_the_one_function():
     assert found == ALLOWED
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        'with path.open("w") as file:', 'open(path, "wb")', "figure.savefig(path)", 'path.write_text("")',
-        "np.savez(path, x=x)", "np.save(path, x)", "image.save(path)", "model.save(folder / name)", 'open(p, mode="x")',
-        "shutil.copy(a, b)", "json.dump(content, file)",
-    ],
-)  # fmt: skip
-def test_the_search_finds_what_goes_past_it(line):
-    assert BYPASSES.search(line)
-
-
-@pytest.mark.parametrize("written", [0, 1, 1000, 4999, 5000])
+@pytest.mark.parametrize("written", [0, 5000])
 def test_a_full_disk_leaves_the_file_that_was_there(tmp_path, monkeypatch, written):
     path = tmp_path / "table.csv"
     path.write_text("before")
@@ -165,31 +154,6 @@ def test_a_folder_with_files_is_not_replaced_by_a_new_one(tmp_path):
     assert (tmp_path / "old" / "table.csv").read_text() == "before"
 
 
-@pytest.mark.parametrize("name", ["a" * 255, "\u00e4" * 127])
-def test_names_are_as_long_as_the_system_takes(tmp_path, name):
-    files.check_target(tmp_path / name)
-    files.write_text(tmp_path / name, "whole")
-    assert (tmp_path / name).read_text() == "whole"
-
-
-@pytest.mark.parametrize("check", [files.make_folder, files.check_target, files.check_name])
-def test_a_name_that_is_too_long_is_refused_in_a_sentence(tmp_path, check):
-    with pytest.raises(OSError, match=r"aaa (cannot be made )?\(File name too long\); choose another") as refused:
-        check(tmp_path / ("a" * 256))
-    assert "Errno" not in str(refused.value)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_without_permission_is_refused_in_a_sentence(tmp_path, monkeypatch):
-    def refused(self, *_, **__):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(self))
-
-    monkeypatch.setattr(Path, "mkdir", refused)
-    with pytest.raises(OSError, match=r"new cannot be made \(Permission denied\); choose another folder") as told:
-        files.make_folder(tmp_path / "new")
-    assert "Errno" not in str(told.value)
-
-
 OUTPUTS = {
     **{f"study {name}": ["--out", "{}"] for name in ("precision", "stability", "paper", "throughput", "figures")},
     "design": ["--out", "{}"],
@@ -199,31 +163,21 @@ OUTPUTS = {
 }
 
 
-@pytest.mark.parametrize("command", OUTPUTS)
-def test_commands_refuse_a_folder_that_cannot_be_before_the_work(command, tmp_path, capsys):
-    in_place = tmp_path / "file"
-    in_place.write_text("of the user's")
-    assert main([*command.split(), *(word.format(in_place / "folder") for word in OUTPUTS[command])]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert error.startswith("error: ")
-    assert str(in_place) in error
+@pytest.mark.parametrize(
+    ("place", "told"),
+    [("file/folder", "file"), ("a" * 256, "File name too long"), ("full", "Read-only file system")],
+)
+def test_commands_refuse_a_folder_that_cannot_be_before_the_work(place, told, tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").write_text("of the user's")
+    (tmp_path / "full").mkdir()
 
+    def no_room(dir):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(dir))
 
-@pytest.mark.parametrize("command", OUTPUTS)
-def test_commands_refuse_a_name_that_is_too_long_before_the_work(command, tmp_path, capsys):
-    assert main([*command.split(), *(word.format(tmp_path / ("a" * 256)) for word in OUTPUTS[command])]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert error.startswith("error: ")
-    assert "(File name too long); choose another" in error
-
-
-@pytest.mark.parametrize("command", OUTPUTS)
-def test_commands_refuse_a_folder_without_room_before_the_work(command, tmp_path, monkeypatch, capsys):
-    def no_room(self, *_, **__):
-        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(self))
-
-    monkeypatch.setattr(Path, "touch", no_room)
-    assert main([*command.split(), *(word.format(tmp_path) for word in OUTPUTS[command])]) == 2
-    assert "Read-only file system" in capsys.readouterr().err
+    monkeypatch.setattr(files, "tempfile", SimpleNamespace(TemporaryFile=no_room))
+    for command, options in OUTPUTS.items():
+        assert main([*command.split(), *(word.format(tmp_path / place) for word in options)]) == 2, command
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1, command
+        assert error.startswith("error: "), command
+        assert told in error, command

@@ -2,8 +2,6 @@
 
 import re
 import shlex
-from importlib.metadata import version
-from pathlib import Path
 
 import pytest
 
@@ -41,7 +39,8 @@ WITH_PROGRAMS = [page for page, text in TEXTS.items() if fenced(text, "python")]
 def test_the_programs_of_a_page_run_one_after_the_other(page):
     namespace = {}
     for program in fenced(TEXTS[page], "python"):
-        exec(program.replace("learn(200_000)", "learn(2_880)"), namespace)  # one rollout of the long training
+        # One short rollout of the long training.
+        exec(program.replace("learn(200_000)", "learn(480)").replace("n_steps=60", "n_steps=10"), namespace)
 
 
 @pytest.mark.slow
@@ -56,11 +55,6 @@ def test_the_lines_with_which_ppo_learns_from_nothing_land_more_softly_than_the_
         return [run_episode(env, made, seed)["return"] for seed in episode_seeds("evaluation", 0, 8)]
 
     assert min(returns(namespace["drive"], namespace["model"])) > max(returns(with_sampling({}), None))
-
-
-def test_the_pages_that_show_programs_are_those_of_users():
-    pages = {"README.md", "agents/README.md", "agents/learning/README.md", "solar_env/environment/README.md"}
-    assert set(WITH_PROGRAMS) >= pages
 
 
 def commands():
@@ -105,14 +99,6 @@ def test_every_picture_page_and_file_that_a_page_links_to_is_there(page):
     assert not missing
 
 
-def test_pages_count_the_maps_of_where_methods_fail():
-    from solar_env.studies.stability.stability_maps import MAPS
-
-    number = ("four", "five", "six", "seven")[len(MAPS) - 4]
-    assert f"; {number} such maps\n" in TEXTS["README.md"]
-    assert f" each of {number} maps," in TEXTS["solar_env/studies/stability/README.md"]
-
-
 def test_every_picture_of_the_pages_is_shown_or_linked():
     linked = {
         (ROOT / page).parent.joinpath(link).resolve()
@@ -130,12 +116,6 @@ def test_the_front_page_is_short_and_leads_to_every_other_page():
     assert {page for page in TEXTS if f"]({page})" not in TEXTS["README.md"]} == {"README.md"}
 
 
-def test_there_is_a_citation_to_copy_of_this_version_and_of_the_paper():
-    software, paper = re.findall(r"@\w+\{.*?\n\}", fenced(TEXTS["solar_env/contributing.md"], "bibtex")[0], re.DOTALL)
-    assert f"version = {{{version('solar-env')}}}" in software
-    assert all(word in paper for word in ("Li, Yuanyuan", "{117}", "188--209", "2019"))
-
-
 def test_the_front_page_says_that_its_figure_is_one_episode_where_it_tells_the_mean_of_the_comparison():
     text, comparison = (" ".join(TEXTS[page].split()) for page in ("README.md", "agents/comparison/README.md"))
     (share,) = re.findall(r"costs (\d+) % less than the soft start, the best of the tuned laws", comparison)
@@ -147,12 +127,12 @@ def test_the_front_page_says_that_its_figure_is_one_episode_where_it_tells_the_m
 
 def test_a_section_is_read_and_replaced_and_a_page_without_it_refused(tmp_path):
     section = Section(tmp_path / "README.md", "result", "solar-env study throughput --readme")
-    Path(section.page).write_text(f"# Title\n\n{section.begin}\n\nold\n\n{section.end}\n\nafter\n", encoding="utf-8")
+    lines = "<!-- result: written by `solar-env study throughput --readme` -->\n\nold\n\n<!-- end of result -->"
+    section.page.write_text(f"# Title\n\n{lines}\n\nafter\n", encoding="utf-8")
     assert section.read() == "old"
     section.write("new")
     assert section.read() == "new"
-    assert section.page.read_text(encoding="utf-8").startswith("# Title\n")
-    assert section.page.read_text(encoding="utf-8").endswith("\n\nafter\n")
+    assert section.page.read_text(encoding="utf-8") == f"# Title\n\n{lines.replace('old', 'new')}\n\nafter\n"
     section.page.write_text("# Title\n", encoding="utf-8")
     with pytest.raises(ValueError, match="has no place for the result: add the lines"):
         section.write("newer")

@@ -14,8 +14,6 @@ from solar_env.support.readme import PACKAGE, STUDIES
 OPTIONS = ("out", "readme")
 # A moment after latching, with the journals in flight.
 FRAME_TIME = 13.6  # s
-# Latching and the three seconds that follow it.
-COMPARED_TIME = 16.0  # s
 
 
 def draw_frame(path: Path) -> None:
@@ -39,16 +37,6 @@ def draw_deployment(path: Path) -> None:
     plot_deployment(simulate(), path)
 
 
-def draw_flexible(path: Path) -> None:
-    """Rigid beside flexible panels: angles, contact forces after latching and deflections."""
-    from solar_env.array.deployment import panel_deflections, simulate
-    from solar_env.pictures.plots import plot_comparison
-
-    models = ("rigid-clearance", "flexible-clearance")
-    runs = [simulate(model=model, duration=COMPARED_TIME, output_step=1e-3) for model in models]
-    plot_comparison(runs, [panel_deflections(run) for run in runs], path)
-
-
 def draw_stability(path: Path) -> None:
     """Bounces under generalized-alpha: where a fixed step fails."""
     from solar_env.studies.stability.stability_maps import measure_map
@@ -65,7 +53,6 @@ _OWN = PACKAGE / "pictures" / "figures"
 PICTURES = {
     _OWN / "frame.png": draw_frame,
     _OWN / "deployment.png": draw_deployment,
-    _OWN / "flexible.png": draw_flexible,
     STUDIES / "stability" / "figures" / "stability.png": draw_stability,
 }
 

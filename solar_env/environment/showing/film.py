@@ -11,8 +11,7 @@ from solar_env.environment.settings import EnvironmentSettings
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.pictures.render import Renderer
-from solar_env.pictures.scene import Scene
+from solar_env.pictures.frame import Renderer, Scene
 
 
 class Film:
@@ -53,7 +52,6 @@ class Film:
             hinges=np.array([panel[0] for panel in axes[1:]]) - eccentricity,
             eccentricity=eccentricity,
             clearance=model.joints["clearance"].copy(),
-            journal_radius=model.joints["journal_radius"].copy(),
             in_contact=state.joints["in_contact"].astype(np.bool_),
             normal_force=loads[:, NORMAL].copy(),
             latched=state.joints["latched"].astype(np.bool_),

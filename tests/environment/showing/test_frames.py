@@ -64,7 +64,6 @@ def test_a_frame_is_drawn_from_the_state_the_loads_and_the_recorded_peaks(monkey
         assert scene.hinges == pytest.approx(np.array([hinge, tip_1]), abs=1e-12)
         assert scene.eccentricity == pytest.approx(np.array([start_1 - hinge, start_2 - tip_1]), abs=1e-12)
         assert scene.clearance.tolist() == [1e-4, 3e-4]
-        assert scene.journal_radius.tolist() == [0.02, 0.02]
         assert scene.in_contact.tolist() == joints["in_contact"].astype(bool).tolist()
         assert np.all((scene.normal_force > 0.0) <= scene.in_contact)
         assert scene.normal_force.tolist() == loads[:, NORMAL].tolist()

@@ -10,7 +10,7 @@ from solar_env.mechanics.integrators.methods.stiff_forces import begin_step
 from solar_env.mechanics.integrators.methods.table import METHODS, method_of
 from solar_env.mechanics.integrators.settings import ModalRadau, Rosenbrock
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.modal.step.solve import solve_step
+from solar_env.mechanics.modal.solve import solve_step
 from solar_env.mechanics.records.recording import make_recorder, record_sample
 
 

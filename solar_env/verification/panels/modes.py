@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.mechanism.beams import PANEL
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.modal.panel.tables import Panels
+from solar_env.mechanics.modal.tables import Panels
 from solar_env.verification.beams.theory import bending_wave_numbers
 from solar_env.verification.checks import Check
 from solar_env.verification.panels import theory

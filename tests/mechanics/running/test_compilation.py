@@ -12,7 +12,7 @@ from solar_env.array.methods import make_integrator
 from solar_env.commands.warmup import PARTS, compile_part
 from solar_env.mechanics.integrators.methods.rosenbrock_step import attempt_implicit
 from solar_env.mechanics.integrators.methods.stiff_forces import begin_step
-from solar_env.mechanics.modal.step.solve import solve_step
+from solar_env.mechanics.modal.solve import solve_step
 from solar_env.mechanics.records.recording import record_sample
 from solar_env.mechanics.running.simulation import Simulation
 

@@ -2,7 +2,7 @@
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
 from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY, SECOND, START
-from solar_env.mechanics.modal.motion import distribute_loads, look_at, stage_frames
+from solar_env.mechanics.modal.motion import distribute_loads, place_bodies, stage_frames
 from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
@@ -79,28 +79,37 @@ def step_error(model, state, work, settings, tables, level, h):
 
 @kernel(single_caller=True)
 def move_panel(panels, own, answers, d, q, v):
-    """Move the amplitudes of a panel over the step; returns the mean power of its damping [W]."""
+    """Move the amplitudes of a panel over the step, and its ends; returns the mean power of its damping [W]."""
     total = 0.0
     for group in range(GROUPS):
         begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
+        modes, responses, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
         force1, moment1 = own.load[0, group, 0], own.load[0, group, 1]
         force2, moment2 = own.load[1, group, 0], own.load[1, group, 1]
-        for k in range(begin, end):
-            mode, answer, r = panels.modes[d, k], answers[k].coefficient, k - begin
-            first = mode.row[0] * force1 + mode.row[1] * moment1
-            second = mode.row[0] * force2 + mode.row[1] * moment2
-            if r < coupled:
-                first += own.coupling[0, group, r]
-                second += own.coupling[1, group, r]
-            value, rate = q[k], v[k]
-            q[k] = answer[2] * value + answer[6] * rate + answer[10] * first + answer[14] * second
+        w = w_rate = s = s_rate = 0.0
+        for k in range(values.size):
+            mode, answer = modes[k], responses[k].coefficient
+            across, turning = mode.row[0], mode.row[1]
+            first = across * force1 + turning * moment1
+            second = across * force2 + turning * moment2
+            if k < coupled:
+                first += own.coupling[0, group, k]
+                second += own.coupling[1, group, k]
+            value, rate = values[k], rates[k]
+            moved = answer[2] * value + answer[6] * rate + answer[10] * first + answer[14] * second
             rate1 = answer[1] * value + answer[5] * rate + answer[9] * first + answer[13] * second
             rate2 = answer[3] * value + answer[7] * rate + answer[11] * first + answer[15] * second
-            v[k] = rate2
-            if group >= AXIAL_EVEN and r < coupled:
-                rate1, rate2 = own.strain_rate[0, group, r], own.strain_rate[1, group, r]
+            values[k], rates[k] = moved, rate2
+            w += across * moved
+            w_rate += across * rate2
+            s += turning * moved
+            s_rate += turning * rate2
+            if group >= AXIAL_EVEN and k < coupled:
+                rate1, rate2 = own.strain_rate[0, group, k], own.strain_rate[1, group, k]
             mean_square = WEIGHT_A * rate1 * rate1 + WEIGHT_B * rate2 * rate2
             total += mode.frequency * mode.frequency * mean_square
+        ends = own.ends[group]
+        ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
     return panels.damping[d] * total
 
 
@@ -136,7 +145,7 @@ def commit_step(model, state, work, tables, level, h):
             q, v = work.q[begin:end], work.v[begin:end]
             power += move_panel(model.panels, panel, answers, body.design, q, v)
     work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * power
-    look_at(model, work.q, work.v, work, START)
+    place_bodies(model, work.q, work.v, work, START)
     note_extremes(model, state, work, work.v)
 
 

@@ -26,18 +26,20 @@ from solar_env.mechanics.numerics.jit import kernel
 def free_ends(panels, panel, answers, d, q, v):
     """Free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
     for group in range(GROUPS):
-        begin, coupled = panels.first[group], panels.coupled[group]
+        begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
+        # Of slices: indices that cannot be negative are spared a test.
+        modes, own, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
         w0 = w1 = w2 = w3 = s0 = s1 = s2 = s3 = defect = 0.0
-        for k in range(begin, panels.first[group + 1]):
-            a, b, answer, r = q[k], v[k], answers[k].coefficient, k - begin
+        for k in range(values.size):
+            a, b, answer = values[k], rates[k], own[k].coefficient
             y0 = answer[0] * a + answer[FROM_RATE] * b
             y1 = answer[1] * a + answer[FROM_RATE + 1] * b
             y2 = answer[2] * a + answer[FROM_RATE + 2] * b
             y3 = answer[3] * a + answer[FROM_RATE + 3] * b
-            if r < coupled:
-                low = panel.low_free[group, r]
+            if k < coupled:
+                low = panel.low_free[group, k]
                 low[0], low[1], low[2], low[3] = y0, y1, y2, y3
-            first, second = panels.modes[d, k].row[0], panels.modes[d, k].row[1]
+            first, second = modes[k].row[0], modes[k].row[1]
             w0 += first * y0
             w1 += first * y1
             w2 += first * y2
@@ -46,7 +48,7 @@ def free_ends(panels, panel, answers, d, q, v):
             s1 += second * y1
             s2 += second * y2
             s3 += second * y3
-            defect += first * (answers[k].defect[0] * a + answers[k].defect[1] * b)
+            defect += first * (own[k].defect[0] * a + own[k].defect[1] * b)
         free = panel.free[group]
         free[0, 0], free[0, 1], free[0, 2], free[0, 3] = w0, w1, w2, w3
         free[1, 0], free[1, 1], free[1, 2], free[1, 3] = s0, s1, s2, s3
@@ -123,18 +125,25 @@ def shorten_ends(panel, s):
 
 
 @kernel(inner=True)
-def pose_ends(panels, panel, d, q, v):
-    """Motion of the ends of a panel, and its foreshortening, in a pose, as of the first stage."""
+def sum_ends(panels, panel, d, q, v):
+    """Motion of the ends of a panel in a pose, as of the first stage, without foreshortening."""
     for group in range(GROUPS):
+        begin, end = panels.first[group], panels.first[group + 1]
+        modes, values, rates = panels.modes[d, begin:end], q[begin:end], v[begin:end]
         w, w_rate, s, s_rate = 0.0, 0.0, 0.0, 0.0
-        for k in range(panels.first[group], panels.first[group + 1]):
-            first, second = panels.modes[d, k].row[0], panels.modes[d, k].row[1]
-            w += first * q[k]
-            w_rate += first * v[k]
-            s += second * q[k]
-            s_rate += second * v[k]
+        for k in range(values.size):
+            first, second = modes[k].row[0], modes[k].row[1]
+            w += first * values[k]
+            w_rate += first * rates[k]
+            s += second * values[k]
+            s_rate += second * rates[k]
         ends = panel.ends[group]
         ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
+
+
+@kernel(inlined=True)
+def shorten_pose(panels, panel, d, q, v):
+    """Add foreshortening to the motion of the ends of a panel in a pose, as of the first stage."""
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):

@@ -27,7 +27,7 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_Y,
     WHEEL_RATE,
 )
-from solar_env.mechanics.modal.ends import pose_ends
+from solar_env.mechanics.modal.ends import shorten_pose, sum_ends
 from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
@@ -262,16 +262,26 @@ def move_cables(model, work, slot):
         motion[ACROSS_X], motion[ACROSS_Y] = across_x, across_y
 
 
-@kernel
-def look_at(model, q, v, work, slot):
-    """Fill frames, attachments and joints at a slot for given coordinates and velocities."""
+@kernel(inlined=True)
+def place_bodies(model, q, v, work, slot):
+    """Fill frames, attachments and joints at a slot, from coordinates and the ends' motion without foreshortening."""
     for b in range(model.bodies.size):
         body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
             own.place[slot, i], own.speed[slot, i] = q[first + i], v[first + i]
         own.turn[slot, 0], own.turn[slot, 1] = math.cos(q[first + 2]), math.sin(q[first + 2])
         if body.panel != RIGID_BODY:
-            pose_ends(model.panels, work.panels[body.panel], body.design, q[first + 3 :], v[first + 3 :])
+            shorten_pose(model.panels, work.panels[body.panel], body.design, q[first + 3 :], v[first + 3 :])
     move_attachments(model, work, slot)
     move_joints(model, work, slot)
     move_cables(model, work, slot)
+
+
+@kernel
+def look_at(model, q, v, work, slot):
+    """Fill frames, attachments and joints at a slot for given coordinates and velocities."""
+    for b in range(model.bodies.size):
+        body, first = model.bodies[b], model.bodies[b].offset + 3
+        if body.panel != RIGID_BODY:
+            sum_ends(model.panels, work.panels[body.panel], body.design, q[first:], v[first:])
+    place_bodies(model, q, v, work, slot)

@@ -15,8 +15,8 @@ import numpy as np
 
 from agents.policies.network import Layer, PolicyNetwork
 from agents.torque_laws import DeterministicController, Signals
-from solar_env.support.field_types import check_types
 from solar_env.support.files import PART, write_text, writing
+from solar_env.support.numbers import check_types
 from solar_env.support.plain_arrays import read_arrays, read_json
 
 SHIPPED = Path(__file__).parent

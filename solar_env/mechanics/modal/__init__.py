@@ -1,10 +1,11 @@
 """Slender panels as modes in a floating frame, and a method that steps on the loads of the joints alone.
 
-A panel is a rigid body with elastic modes about it (`panel`); a mechanism of rigid bodies and such panels has arrays of
-its own (`arrays`, `build`). A step of the two-stage Radau IIA method solves for the loads of the joints at its two
-stages (`step`): given the loads, every body's motion follows in closed form, so that the cost of the iteration does not
-depend on the number of modes. `run` controls the steps and keeps what a run remembers; `formulation` and `views` tell
-the rest of the package what the arrays say.
+A panel is a rigid body with elastic modes about it, whose answers to a step are in `tables`; `ends` sums them up. A
+mechanism of rigid bodies and such panels has arrays of its own (`arrays`, `build`). A step of the two-stage Radau IIA
+method solves for the loads of the joints at its two stages (`solve`): given the loads, every body's motion follows in
+closed form (`motion`), so that the cost of the iteration does not depend on the number of modes. `unknowns` and
+`equations` make Newton's matrix, `acceptance` judges the step, and `method` has the kernels that the run loop calls;
+`formulation` tells the rest of the package what the arrays say.
 
 Modal panels are a formulation and no row of `bodies.kinds`: a row has coordinates that the integrators step together
 with all others, places of its markers that follow from them alone, and a mass matrix that acts on nothing but its own.

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays.columns import LOAD_COLUMNS, SHARED_COLUMNS
 from solar_env.mechanics.arrays.model import ENERGIES, record
 from solar_env.mechanics.arrays.trial import joint_motion_type, trial_type
-from solar_env.mechanics.modal.panel.oscillators import COEFFICIENTS
-from solar_env.mechanics.modal.panel.tables import Panels, Tables, make_tables, panel_scratch
+from solar_env.mechanics.modal.tables import Panels, Tables, make_tables, panel_scratch
 
 Array = NDArray[np.float64]
 
@@ -45,9 +44,10 @@ VELOCITY_X, VELOCITY_Y, LEVER, NORMAL_X, NORMAL_Y, DEPTH, DEPTH_RATE, SLIP, SLID
 )
 MOTION_COLUMNS = SHARED_COLUMNS + 9
 
-# Loads of a joint: normal and tangential force of a contact, or the two components of an ideal joint's reaction on its
-# outboard body; then the torque on the joint angle, without the motor's and the cable loops'.
-LOADS = 3
+# Loads: the torque on each joint's angle, without the motor's and the loops'; of each cable loop that on its outer
+# joint; then of each joint normal and tangential force of a contact, or the two components of an ideal joint's reaction
+# on its outboard body.
+JOINT_LOADS = 3
 # Kinds of unknown; the reactions last.
 TORQUE_ROW, CABLE_ROW, NORMAL_ROW, TANGENTIAL_ROW, REACTION_X_ROW, REACTION_Y_ROW = range(6)
 
@@ -78,10 +78,10 @@ class ModalState(NamedTuple):
 
     q: Array  # (n,) coordinates
     v: Array  # (n,) velocities
-    loads: Array  # (joints, LOADS) at the end of the last step
-    load_rates: Array  # (joints, LOADS) of the last step's collocation polynomial
-    cable_loads: Array  # (cables, 2) torque on the outer joint at the end of the last step, and its rate
+    loads: Array  # (loads,) at the end of the last step
+    load_rates: Array  # (loads,) of the last step's collocation polynomial
     coupling: Array  # (panels, GROUPS, LOW) modal forces of foreshortening at the end of the last step
+    views: Array  # (joints, 6) rows of `JointView`
     extremes: Array  # (2,) greatest slope of a panel's end [rad] and spin over its lowest frequency, of all steps
     integrals: Array
     joints: NDArray[np.void]
@@ -111,34 +111,31 @@ attachment_scratch = record(
 joint_scratch = record(
     [
         ("motion", np.float64, (SLOTS, MOTION_COLUMNS)),
-        ("load", np.float64, (2, LOADS)),
-        ("torque", np.float64),  # of the laws
-        ("torque_by_angle", np.float64),
-        ("torque_by_rate", np.float64),
         ("angle_by_torque", np.float64),  # greatest change over a step [rad/(N m)]
-        ("torque_unknown", np.int64),  # number of the unknown, or -1
-        ("torque_tolerance", np.float64),
         ("tried", np.float64, (2, 2)),  # latest sliding speeds in the iteration, by stage: negative, positive
     ]
 )
-cable_scratch = record(
+cable_scratch = record([("motion", np.float64, (SLOTS, CABLE_COLUMNS))])
+load_scratch = record(
     [
-        ("motion", np.float64, (SLOTS, CABLE_COLUMNS)),
-        ("load", np.float64, 2),  # torque on the outer joint, by stage
-        ("torque", np.float64),  # of the law
-        ("slope", np.float64),  # of the law by the mismatch
-        ("unknown", np.int64),  # number of the unknown, or -1
+        ("stage", np.float64, 2),
         ("tolerance", np.float64),
+        # Of torques: by their laws, the slopes of these by the motion that a load works on, and whether it is an
+        # unknown or follows from iteration to iteration.
+        ("law", np.float64),
+        ("by_value", np.float64),
+        ("by_rate", np.float64),
+        ("unknown", np.int64),
     ]
 )
 unknown_scratch = record(
     [
         ("kind", np.int64),
         ("owner", np.int64),  # joint or cable loop
+        ("number", np.int64),  # among the loads
         ("faces", np.int64),  # number of attachments
         # Outboard and inboard; of a cable loop those with the wheels, then both ends of the body between.
         ("attachment", np.int64, FACES),
-        ("tolerance", np.float64),
         # A unit of it on these bodies, in their frames: force, torque, moment about the centre of mass.
         ("load", np.float64, (FACES, 4)),
         # The loads that read off the motion it works on: the same, but for a loop that does not conserve energy.
@@ -151,9 +148,7 @@ unknown_scratch = record(
 # Motion that an unknown works on by a unit of another: [4 load stage + 2 stage + (value or rate)].
 mobility_type = record([("response", np.float64, 8)])
 
-# Counts of a workspace: iterations, unknowns, and the joint whose load was furthest off when Newton's iteration failed,
-# or -1.
-ITERATIONS, UNKNOWNS, STUCK = range(3)
+step_scratch = record([("unknowns", np.int64), ("velocity_tolerance", np.float64)])  # number; [m/s]
 
 
 class Workspace(NamedTuple):
@@ -169,16 +164,14 @@ class Workspace(NamedTuple):
     joints: NDArray[np.void]
     cables: NDArray[np.void]
     panels: NDArray[np.void]
+    loads: NDArray[np.void]  # (3 J + C,)
     unknowns: NDArray[np.void]  # (R,)
     rigid: Array  # (8,) motion of a unit mass by a unit load, as the columns of the mobility
     mobility: NDArray[np.void]  # (R, R) rows of `mobility_type`
     matrix: Array  # (2 R, 2 R)
     correction: Array  # (2 R,)
-    counts: NDArray[np.int64]  # (3,)
-    velocity_tolerance: Array  # (1,) of the step [m/s]
-    # Of an off-table step size.
-    tables: Tables
-    coefficients: Array  # (COEFFICIENTS,)
+    step: NDArray[np.void]  # (1,)
+    tables: Tables  # of an off-table step size
     # At the end of a step.
     q: Array
     v: Array
@@ -186,13 +179,13 @@ class Workspace(NamedTuple):
     # Of a sample.
     energies: Array
     sample: Array  # (J, LOAD_COLUMNS)
-    sample_load: Array  # (J, LOADS)
+    sample_load: Array  # (3 J + C,)
 
 
 def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
     """Allocate scratch arrays for a mechanism."""
     joints, cables, zeros = model.joints.size, model.cables.size, np.zeros
-    unknowns = 3 * joints + cables
+    loads = JOINT_LOADS * joints + cables
     return Workspace(
         trial=np.zeros(1, trial_type),
         motion=np.zeros(joints, joint_motion_type),
@@ -201,19 +194,18 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         joints=zeros(joints, joint_scratch),
         cables=zeros(cables, cable_scratch),
         panels=zeros(len(state.coupling), panel_scratch),
-        unknowns=zeros(unknowns, unknown_scratch),
+        loads=zeros(loads, load_scratch),
+        unknowns=zeros(loads, unknown_scratch),
         rigid=zeros(8),
-        mobility=zeros((unknowns, unknowns), mobility_type),
-        matrix=zeros((2 * unknowns, 2 * unknowns)),
-        correction=zeros(2 * unknowns),
-        counts=zeros(3, np.int64),
-        velocity_tolerance=zeros(1),
+        mobility=zeros((loads, loads), mobility_type),
+        matrix=zeros((2 * loads, 2 * loads)),
+        correction=zeros(2 * loads),
+        step=zeros(1, step_scratch),
         tables=make_tables(model.panels, 1),
-        coefficients=zeros(COEFFICIENTS),
         q=np.zeros_like(state.q),
         v=np.zeros_like(state.v),
         integrals=np.zeros_like(state.integrals),
         energies=zeros(ENERGIES),
         sample=zeros((joints, LOAD_COLUMNS)),
-        sample_load=zeros((joints, LOADS)),
+        sample_load=zeros(loads),
     )

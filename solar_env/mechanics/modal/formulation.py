@@ -1,13 +1,20 @@
 """Formulation of rigid bodies and modal panels in floating frames, which the loads of the joints move."""
 
+import itertools
+import math
+from functools import lru_cache
+
 import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import ENERGIES, IDEAL
-from solar_env.mechanics.equations.formulation import Array, Formulation
+from solar_env.mechanics.equations.formulation import Array, Formulation, JointView
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import (
     OTHER,
+    RIGID_BODY,
     VELOCITY_X,
     VELOCITY_Y,
     ModalModel,
@@ -15,12 +22,23 @@ from solar_env.mechanics.modal.arrays import (
     Workspace,
     make_workspace,
 )
+from solar_env.mechanics.modal.books import fill_load_table, stored_energies
 from solar_env.mechanics.modal.build import compile_modal
-from solar_env.mechanics.modal.run.books import stored_energies
-from solar_env.mechanics.modal.run.method import start_loads
-from solar_env.mechanics.modal.run.sampling import fill_load_table
-from solar_env.mechanics.modal.step.motion import look_at
-from solar_env.mechanics.modal.views import modal_centreline, view_joint
+from solar_env.mechanics.modal.foreshortening import bending_shapes
+from solar_env.mechanics.modal.method import start_loads
+from solar_env.mechanics.modal.motion import look_at
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, EVEN_ENDS, ODD_ENDS
+from solar_env.mechanics.numerics.jit import kernel
+
+# Parts of a panel's axis, each with as many points as an element of a beam.
+_PARTS = 8
+
+
+@kernel(inlined=True)
+def view_joint(model, state, j):
+    """The joint `j` as a controller may observe it."""
+    view = state.views[j]
+    return JointView(view[0], view[1], math.atan2(math.sin(view[2]), math.cos(view[2])), view[3], view[4], view[5])
 
 
 class FloatingFrames(Formulation):
@@ -33,7 +51,7 @@ class FloatingFrames(Formulation):
         return compile_modal(mechanism)
 
     def begin(self, model: ModalModel, state: ModalState) -> None:
-        """Fill the loads of the joints with the torques of their laws."""
+        """Fill the loads of the joints with the torques of their laws, and the joints' views."""
         start_loads(model, state, make_workspace(model, state))
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
@@ -69,24 +87,25 @@ class FloatingFrames(Formulation):
         return np.array([(mass * u).sum(), (mass * v).sum(), angular.sum()])
 
     def centreline(self, model: ModalModel, q: Array, body: int, points_per_element: int) -> Array:
-        """See `modal_centreline`."""
-        return modal_centreline(model, q, body, points_per_element)
+        """Points (..., k, 2) [m] along the axis of a body; on a panel k is 8 * points_per_element + 1."""
+        row = model.bodies[body]
+        first = int(row["offset"])
+        if row["panel"] == RIGID_BODY:
+            local = np.array([0.0j, row["length"]]) - complex(row["centroid_x"], row["centroid_y"])
+        else:
+            local = _panel_axis(model, row, q[..., first + 3 :], _PARTS * points_per_element + 1)
+        centre, turn = q[..., first, None] + 1j * q[..., first + 1, None], np.exp(1j * q[..., first + 2, None])
+        line = centre + turn * local
+        return np.stack([line.real, line.imag], axis=-1)
 
     def modal_range(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """See `Formulation.modal_range`."""
-        (slope, spin_ratio), panels = state.extremes, model.panels
-        even, odd, end = panels.first[:3]
-        for body in model.bodies[model.bodies["panel"] >= 0]:
-            first, d = body["offset"] + 3, body["design"]
-            slopes = [panels.rows[d, i:k, 1] @ state.q[first + i : first + k] for i, k in ((even, odd), (odd, end))]
-            # At one end or the other, the even and the odd part add up.
-            slope = max(slope, float(np.abs(slopes).sum()))
-            spin_ratio = max(spin_ratio, float(abs(state.v[first - 1]) / panels.frequency[d, even:end].min()))
+        slope, spin_ratio = state.extremes
         return float(slope), float(spin_ratio)
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Return no defect, for every step solves for the reactions, and the greatest reaction [N]."""
-        return 0.0, float(np.abs(state.loads[:, :2]).max(initial=0.0))
+        return 0.0, float(np.abs(state.loads[-2 * len(model.joints) :]).max(initial=0.0))
 
 
 def present_motion(model: ModalModel, state: ModalState) -> Workspace:
@@ -94,3 +113,41 @@ def present_motion(model: ModalModel, state: ModalState) -> Workspace:
     work = make_workspace(model, state)
     look_at(model, state.q, state.v, work, OTHER)
     return work
+
+
+def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int) -> NDArray[np.complex128]:
+    """Points of a panel's axis in its frame.
+
+    The kept bending modes enter with their shapes; all else is exact at the ends, and a polynomial between them.
+    """
+    panels, d, s = model.panels, row["design"], np.linspace(0.0, 1.0, points)
+    parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]
+
+    def beyond(group: int, lowest: int) -> Array:
+        """Values of the first end by all modes of a group but the lowest ones."""
+        return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.rows[d, parts[group]][lowest:])
+
+    low = [
+        np.concatenate([amplitudes[..., parts[g]][..., :k], beyond(g, k)], axis=-1)
+        for g, k in enumerate(panels.coupled[:2])
+    ]
+    u, odd_u = beyond(AXIAL_EVEN, 0)[..., 0], beyond(AXIAL_ODD, 0)[..., 0]
+    for g in range(2):
+        odd, even = panels.forms[d, g, :, :, ODD_ENDS], panels.forms[d, g, :, :, EVEN_ENDS]
+        for own, other, axial, form in ((low[g], low[g], odd_u, odd), (low[g], low[1 - g], u, even)):
+            block = form[: own.shape[-1], : other.shape[-1]]
+            axial += 0.5 * np.einsum("ij,...i,...j->...", block, own, other)
+    along = np.stack([u + odd_u, u - odd_u], axis=-1) @ np.stack([1.0 - s, s])
+    (w, slope), (odd_w, odd_slope) = (np.moveaxis(beyond(g, k), -1, 0) for g, k in enumerate(panels.kept))
+    ends, slopes = np.stack([w + odd_w, w - odd_w]), np.stack([odd_slope + slope, odd_slope - slope])
+    across = np.moveaxis(CubicHermiteSpline([0.0, row["length"]], ends, slopes)(s * row["length"]), 0, -1)
+    shapes = _kept_shapes(panels.kept.sum(), points) / math.sqrt(row["mass"])
+    for g, k in enumerate(panels.kept):
+        across += amplitudes[..., parts[g]][..., :k] @ shapes[g::2]
+    return (s - 0.5) * row["length"] + along + 1j * across
+
+
+@lru_cache(maxsize=16)
+def _kept_shapes(modes: int, points: int) -> Array:
+    """(modes, points) bending modes of a free beam of unit mass at equal distances."""
+    return bending_shapes(1.0, 1.0, modes, np.linspace(0.0, 1.0, points))[0]

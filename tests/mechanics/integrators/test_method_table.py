@@ -19,7 +19,7 @@ from solar_env.mechanics.integrators.methods.table import METHODS, method_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.integrators.settings import INTEGRATORS, Integrator, RungeKutta
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.modal.panel.tables import GREATEST_STEP
+from solar_env.mechanics.modal.tables import GREATEST_STEP
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.modal.arrays import ModalModel
-from solar_env.mechanics.modal.panel.foreshortening import quadratic_forms
+from solar_env.mechanics.modal.foreshortening import quadratic_forms
 
 Complex = NDArray[np.complex128]
 
@@ -131,9 +131,3 @@ class Lagrangian:
             atol=1e-12,
         )
         return found.y[:n, -1], found.y[n:, -1]
-
-    def energy(self, q: NDArray[np.float64], v: NDArray[np.float64]) -> float:
-        """Kinetic energy and potential [J]."""
-        moving = self.inverse_mass > 0.0
-        kinetic = 0.5 * np.sum(v[moving] ** 2 / self.inverse_mass[moving])
-        return float(kinetic + self.potential(q.astype(complex)).real)

@@ -7,12 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from solar_env.mechanics.modal.panel.oscillators import (
-    COEFFICIENTS,
-    free_rate_defects,
-    mode_coefficients,
-    rational_coefficients,
-)
+from solar_env.mechanics.modal.tables import answer_type, fill_answer
 
 CASES = ([1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.5, -1.5], [0.0, 0.0, -0.5, 1.5])
 
@@ -30,38 +25,27 @@ def exact(frequency: float, damping_rate: float, h: float) -> NDArray[np.float64
     return np.array(found)
 
 
+def answer(frequency: float, damping_rate: float, h: float) -> np.record:
+    filled = np.zeros(1, answer_type)
+    fill_answer(frequency, damping_rate, h, filled[0])
+    return filled[0]
+
+
 @pytest.mark.parametrize(
     ("frequency", "damping_rate", "h"), [(3.0, 0.2, 0.1), (300.0, 1.0, 0.006), (900.0, 300.0, 1e-3)]
 )
 def test_mode_that_the_step_resolves_is_exact(frequency: float, damping_rate: float, h: float) -> None:
-    found = np.zeros(COEFFICIENTS)
-    mode_coefficients(frequency, damping_rate, h, found)
-    assert found == pytest.approx(exact(frequency, damping_rate, h), rel=1e-11)
-
-
-def test_method_is_of_third_order_at_the_end_of_a_step() -> None:
-    errors = []
-    for h in (0.02, 0.01, 0.005):
-        found = np.zeros(COEFFICIENTS)
-        rational_coefficients(7.0, 0.4, h, found)
-        # Value by start value and rate by start rate, at the end of the step.
-        errors.append(np.abs(found - exact(7.0, 0.4, h))[[2, 7]])
-    # Local errors of a method of third order.
-    assert errors[0] / errors[1] == pytest.approx([16.0, 16.0], rel=0.06)
-    assert errors[1] / errors[2] == pytest.approx([16.0, 16.0], rel=0.03)
-
-
-def test_mode_that_the_step_does_not_resolve_comes_to_rest_where_its_load_holds_it() -> None:
-    found = np.zeros(COEFFICIENTS)
-    mode_coefficients(1e6, 0.0, 1e-3, found)
-    assert abs(found[2]) < 1e-4
-    assert found[10] + found[14] == pytest.approx(1e-12, rel=1e-4)
+    found = answer(frequency, damping_rate, h)
+    assert found["coefficient"] == pytest.approx(exact(frequency, damping_rate, h), rel=1e-11)
+    assert found["defect"].tolist() == [0.0, 0.0]
 
 
 def test_defect_is_the_exact_free_rate_less_that_of_the_method() -> None:
-    found = np.zeros(COEFFICIENTS)
-    mode_coefficients(500.0, 3.0, 0.01, found)
-    by_value, by_rate = free_rate_defects(500.0, 3.0, 0.01, found)
-    truth = exact(500.0, 3.0, 0.01)
-    assert by_value == pytest.approx(truth[3] - found[3], rel=1e-9)
-    assert by_rate == pytest.approx(truth[7] - found[7], rel=1e-9)
+    found, truth = answer(500.0, 3.0, 0.01), exact(500.0, 3.0, 0.01)
+    assert found["defect"] == pytest.approx((truth - found["coefficient"])[[3, 7]], rel=1e-9)
+
+
+def test_mode_that_the_step_does_not_resolve_comes_to_rest_where_its_load_holds_it() -> None:
+    found = answer(1e6, 0.0, 1e-3)["coefficient"]
+    assert abs(found[2]) < 1e-4
+    assert found[10] + found[14] == pytest.approx(1e-12, rel=1e-4)

@@ -12,9 +12,10 @@ from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators import settings
 from solar_env.mechanics.integrators.formulations import ABSOLUTE, FLOATING
 from solar_env.mechanics.integrators.methods import generalized_alpha, rosenbrock, stage_steps
+from solar_env.mechanics.modal import books
+from solar_env.mechanics.modal import method as modal
 from solar_env.mechanics.modal.arrays import make_workspace
-from solar_env.mechanics.modal.run import method as modal
-from solar_env.mechanics.modal.step.solve import ModalSettings
+from solar_env.mechanics.modal.solve import ModalSettings
 from solar_env.mechanics.numerics.by_type import chosen_by_type
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.step_size import StepController
@@ -153,7 +154,7 @@ METHODS: dict[str, Method] = {
             choose=modal.choose_modal,
             attempt=modal.attempt_modal,
             complete=modal.complete_modal,
-            sample=modal.sample_modal,
+            sample=books.sample_modal,
             commit=modal.commit_modal,
             evaluate=modal.evaluate_modal,
             open_contact=modal.open_contact,
@@ -162,7 +163,7 @@ METHODS: dict[str, Method] = {
             angle=modal.angle_of_modal,
             landing=BY_SOLVING_AGAIN,
             control=modal.CONTROL,
-            note_peaks=modal.note_peaks,
+            note_peaks=books.note_peaks,
             resume=modal.resume_modal,
             cut=modal.cut_modal,
         ),

@@ -1,24 +1,41 @@
-"""Constants of the designs of panels, and how their modes answer a step: tables over step sizes.
+"""How the modes of a panel answer a step of the two-stage Radau IIA method: one mode, and tables over step sizes.
+
+y'' + 2 delta y' + omega^2 y = f. The stages are at a third of the step and at its end (E. Hairer and G. Wanner, Solving
+Ordinary Differential Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). A mode that
+the step resolves answers the load's collocation polynomial exactly. The others answer as the method makes them, which
+dampens what it cannot follow; exact values there, at arbitrary phases, would be unstable with ideal joints.
 
 A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. So the modes form four groups,
 each of which sees the sum or the difference of the loads at the two ends, and one end's values tell the other's.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import record
-from solar_env.mechanics.modal.panel.oscillators import (
-    COEFFICIENTS,
-    FROM_LOAD,
-    free_rate_defects,
-    mode_coefficients,
-)
 from solar_env.mechanics.numerics.jit import kernel
 
 Array = NDArray[np.float64]
+
+# Stage s, load k: velocities gain h A[s][k] f_k, positions h^2 B[s][k] f_k, with B = A A.
+A = ((5.0 / 12.0, -1.0 / 12.0), (3.0 / 4.0, 1.0 / 4.0))
+B = ((1.0 / 9.0, -1.0 / 18.0), (1.0 / 2.0, 0.0))
+NODES = (1.0 / 3.0, 1.0)
+# Weights of the stages in an integral over the step.
+WEIGHT_A, WEIGHT_B = 0.75, 0.25
+
+# Rows of the coefficients of a mode: from its start value, from its start rate, and from the loads of the two stages.
+FROM_VALUE, FROM_RATE, FROM_LOAD = 0, 4, 8
+# Each has four: value and rate at the first stage, then at the second, see `column`.
+COEFFICIENTS = 16
+# A step resolves a mode whose omega h is below this.
+RESOLVED = 2.0
+_TERMS = 26
+_NEGLIGIBLE = 1e-20  # part of what a term is added to
+
 
 # Tabled step sizes: the greatest [s], and their number; each is the one before over the square root of two.
 GREATEST_STEP = 0.032
@@ -46,7 +63,7 @@ mode_type = record(
 # How a mode answers a step of one size.
 answer_type = record(
     [
-        ("coefficient", np.float64, COEFFICIENTS),  # see `oscillators`
+        ("coefficient", np.float64, COEFFICIENTS),  # see COEFFICIENTS
         ("defect", np.float64, 2),  # of the rate at the end by start value and by start rate
     ]
 )
@@ -56,8 +73,6 @@ response_type = record(
     [
         # Of value i by load j of a group: [4 load stage + 2 stage + (value or rate)].
         ("response", np.float64, (GROUPS, VALUES, VALUES, 8)),
-        # The same of the two bending groups, without the modes that foreshortening couples.
-        ("rest", np.float64, (2, VALUES, VALUES, 8)),
         # Defect of the rate of the first value by load j at the start: what the load holds in place does not vibrate.
         ("held", np.float64, (GROUPS, VALUES)),
     ]
@@ -80,10 +95,6 @@ panel_scratch = record(
         ("gradient", np.float64, (2, 2, LOW, FORMS)),  # of the forms by those of bending, by stage
         ("shortening", np.float64, (2, 2, FORMS)),  # values of the forms and their rates, by stage
         ("tension", np.float64, FORMS),  # that works on the forms
-        # By a unit of the ends' axial load, alike and opposite, through a bent axis: motion of the ends in bending, and
-        # foreshortening, of the ends alike and opposite. Columns as those of a response.
-        ("bent", np.float64, (2, 2, VALUES, 8)),
-        ("shortened", np.float64, (2, 2, 8)),
     ]
 )
 
@@ -92,7 +103,7 @@ class Panels(NamedTuple):
     """Constants of D designs of panels, each with the same number of modes."""
 
     first: NDArray[np.int64]  # (GROUPS + 1,) first mode of each group
-    kept: NDArray[np.int64]  # (GROUPS,) number of modes that are kept; behind them come the pseudo-modes
+    kept: NDArray[np.int64]  # (2,) number of bending modes that are kept; behind them come the pseudo-modes
     coupled: NDArray[np.int64]  # (GROUPS,) number of lowest modes that foreshortening couples
     damping: Array  # (D,) retardation time [s]
     modes: NDArray[np.void]  # (D, modes) rows of `mode_type`
@@ -124,6 +135,81 @@ def make_tables(panels: Panels, levels: int) -> Tables:
     return Tables(np.zeros((designs, levels, modes), answer_type), np.zeros((designs, levels), response_type))
 
 
+@kernel(inner=True)
+def exact_coefficients(frequency, damping_rate, h, coefficients):
+    """Fill (COEFFICIENTS,) for a mode that the step resolves: by its Taylor series, whose terms fall as 1/n!."""
+    square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
+    for case in range(4):
+        # Start value, start rate, then the loads 1.5 - 1.5 t and -0.5 + 1.5 t, which are one at their own stage.
+        c = 1.0 if case == 0 else 0.0
+        following = h if case == 1 else 0.0
+        load0, load1 = 0.0, 0.0
+        if case == 2:
+            load0, load1 = 1.5 * h * h, -1.5 * h * h
+        elif case == 3:
+            load0, load1 = -0.5 * h * h, 1.5 * h * h
+        y1, r1, y2, r2 = c, following, c, following
+        third = 1.0
+        scale = 1.0 if case == 0 else (h if case == 1 else h * h)
+        for n in range(_TERMS):
+            load = load0 if n == 0 else (load1 if n == 1 else 0.0)
+            # First the term in t^(n + 1), whose coefficient is known; then the coefficient of t^(n + 2).
+            y2 += following
+            y1 += following * third / 3.0
+            third /= 3.0
+            c, following = following, (load - damping * (n + 1) * following - square * c) / ((n + 2) * (n + 1))
+            r2 += (n + 2) * following
+            r1 += (n + 2) * following * third
+            if n > 1 and abs(c) + abs(following) < _NEGLIGIBLE * scale:
+                break
+        coefficients[4 * case] = y1
+        coefficients[4 * case + 1] = r1 / h
+        coefficients[4 * case + 2] = y2
+        coefficients[4 * case + 3] = r2 / h
+
+
+@kernel(inner=True)
+def rational_coefficients(frequency, damping_rate, h, coefficients):
+    """Fill (COEFFICIENTS,) as the Radau IIA method answers."""
+    square, damping = frequency * frequency, 2.0 * damping_rate
+    m11 = 1.0 + h * (damping * A[0][0] + square * h * B[0][0])
+    m12 = h * (damping * A[0][1] + square * h * B[0][1])
+    m21 = h * (damping * A[1][0] + square * h * B[1][0])
+    m22 = 1.0 + h * (damping * A[1][1] + square * h * B[1][1])
+    inverse = 1.0 / (m11 * m22 - m12 * m21)
+    for case in range(4):
+        y0 = 1.0 if case == 0 else 0.0
+        v0 = 1.0 if case == 1 else 0.0
+        f1 = 1.0 if case == 2 else 0.0
+        f2 = 1.0 if case == 3 else 0.0
+        f1 -= damping * v0 + square * (y0 + h * v0 * NODES[0])
+        f2 -= damping * v0 + square * (y0 + h * v0)
+        a1 = (m22 * f1 - m12 * f2) * inverse
+        a2 = (m11 * f2 - m21 * f1) * inverse
+        coefficients[4 * case] = y0 + h * (v0 * NODES[0] + h * (B[0][0] * a1 + B[0][1] * a2))
+        coefficients[4 * case + 1] = v0 + h * (A[0][0] * a1 + A[0][1] * a2)
+        coefficients[4 * case + 2] = y0 + h * (v0 + h * (B[1][0] * a1 + B[1][1] * a2))
+        coefficients[4 * case + 3] = v0 + h * (A[1][0] * a1 + A[1][1] * a2)
+
+
+@kernel
+def fill_answer(frequency, damping_rate, h, answer):
+    """Fill an `answer_type` of a mode for a step `h` [s]."""
+    coefficients = answer.coefficient
+    answer.defect[0], answer.defect[1] = 0.0, 0.0
+    if frequency * h < RESOLVED and 2.0 * damping_rate * h < RESOLVED:
+        exact_coefficients(frequency, damping_rate, h, coefficients)
+        return
+    rational_coefficients(frequency, damping_rate, h, coefficients)
+    underdamped = frequency * frequency - damping_rate * damping_rate
+    if underdamped > 0.0:
+        damped = math.sqrt(underdamped)
+        decay = math.exp(-damping_rate * h)
+        sine, cosine = decay * math.sin(damped * h) / damped, decay * math.cos(damped * h)
+        answer.defect[0] = -frequency * frequency * sine - coefficients[FROM_VALUE + 3]
+        answer.defect[1] = cosine - damping_rate * sine - coefficients[FROM_RATE + 3]
+
+
 @kernel(inlined=True)
 def values_of(group):
     """Number of end values of a group."""
@@ -137,23 +223,20 @@ def side(end):
 
 
 @kernel(inner=True)
-def add_mode(mode, answer, group, coupled, own):
-    """Add what a mode of a group, one that is `coupled` or not, does to the responses of a step size."""
+def add_mode(mode, answer, group, own):
+    """Add what a mode of a group does to the responses of a step size."""
     held = answer.defect[0] * mode.row[0] / (mode.frequency * mode.frequency)
     for i in range(values_of(group)):
         for j in range(values_of(group)):
             product = mode.row[i] * mode.row[j]
             for c in range(8):
-                response = product * answer.coefficient[FROM_LOAD + c]
-                own.response[group, i, j, c] += response
-                if group < AXIAL_EVEN and not coupled:
-                    own.rest[group, i, j, c] += response
+                own.response[group, i, j, c] += product * answer.coefficient[FROM_LOAD + c]
         own.held[group, i] -= held * mode.row[i]
 
 
 @kernel
-def fill_level(panels, tables, level, h, coefficients):
-    """Fill one level of the tables of every design for the step size `h` [s]; `coefficients` is scratch."""
+def fill_level(panels, tables, level, h):
+    """Fill one level of the tables of every design for the step size `h` [s]."""
     for d in range(panels.damping.size):
         own = tables.responses[d, level]
         for group in range(GROUPS):
@@ -162,17 +245,11 @@ def fill_level(panels, tables, level, h, coefficients):
                 for j in range(VALUES):
                     for c in range(8):
                         own.response[group, i, j, c] = 0.0
-                        if group < AXIAL_EVEN:
-                            own.rest[group, i, j, c] = 0.0
             for k in range(panels.first[group], panels.first[group + 1]):
                 mode, answer = panels.modes[d, k], tables.answers[d, level, k]
                 rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
-                mode_coefficients(mode.frequency, rate, h, coefficients)
-                by_value, by_rate = free_rate_defects(mode.frequency, rate, h, coefficients)
-                answer.defect[0], answer.defect[1] = by_value, by_rate
-                for c in range(COEFFICIENTS):
-                    answer.coefficient[c] = coefficients[c]
-                add_mode(mode, answer, group, k < panels.first[group] + panels.coupled[group], own)
+                fill_answer(mode.frequency, rate, h, answer)
+                add_mode(mode, answer, group, own)
 
 
 @kernel(inlined=True)
@@ -194,5 +271,5 @@ def filled_tables(panels: Panels) -> Tables:
     """Tables for all tabled step sizes."""
     tables = make_tables(panels, LEVELS)
     for level in range(LEVELS):
-        fill_level(panels, tables, level, level_size(level), np.zeros(COEFFICIENTS))
+        fill_level(panels, tables, level, level_size(level))
     return tables

@@ -10,13 +10,13 @@ import math
 from typing import NamedTuple
 
 from solar_env.mechanics.arrays.columns import ANGLE, RATE
-from solar_env.mechanics.arrays.model import IDEAL
+from solar_env.mechanics.arrays.model import CLEARANCE, IDEAL
 from solar_env.mechanics.joints.contact import sliding_share
 from solar_env.mechanics.modal.arrays import (
+    CABLE_COLUMNS,
     CABLE_ROW,
     DEPTH,
     DEPTH_RATE,
-    ITERATIONS,
     MOTION_COLUMNS,
     NORMAL_ROW,
     REACTION_X_ROW,
@@ -26,43 +26,33 @@ from solar_env.mechanics.modal.arrays import (
     SLIP,
     START,
     STRETCH,
-    STUCK,
     TANGENTIAL_ROW,
     TORQUE_ROW,
-    UNKNOWNS,
 )
-from solar_env.mechanics.modal.panel.coupling import couple, shorten_ends
-from solar_env.mechanics.modal.panel.ends import add_modal_forces, forced_ends, free_ends
-from solar_env.mechanics.modal.panel.oscillators import NODES
-from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
-from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
-from solar_env.mechanics.modal.step.cables import (
-    cable_row,
-    distribute_cables,
+from solar_env.mechanics.modal.ends import add_modal_forces, couple, forced_ends, free_ends, shorten_ends
+from solar_env.mechanics.modal.equations import contact_rows, fill_torques, reaction_row, torque_row
+from solar_env.mechanics.modal.motion import (
+    distribute_loads,
+    force_of,
+    move_attachments,
     move_cables,
-    set_cable_tolerances,
-    start_cables,
+    move_joints,
+    stage_frames,
 )
-from solar_env.mechanics.modal.step.equations import contact_rows, fill_torques, reaction_row, torque_row
-from solar_env.mechanics.modal.step.motion import move_attachments, move_joints
-from solar_env.mechanics.modal.step.rows import fill_mobility, list_rows, load_column, velocity_by_torque
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, NODES
+from solar_env.mechanics.modal.unknowns import DEVIATION, fill_mobility, list_rows
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
 
 _MOST_ITERATIONS = 30
 # Foreshortening is of second order: its forces are renewed in so many iterations.
 _COUPLED_ITERATIONS = 2
-# With reactions, after so many iterations the matrix is that of bent panels.
-_STRAIGHT_ITERATIONS = 3
 # Correction over the tolerance after which motion and matrix are not renewed.
 _SMALL = 30.0
 # Displacement by a correction, over the clearance, above which motion is renewed.
 _SHIFT = 1e-3
 # The iteration ends where the corrections to come are less than this share of the tolerance.
 _CONVERGED = 0.05
-# A load that is off by the deviation of its course from the collocation polynomial moves its body by a twelfth of what
-# the same load would if it were constant: the second integral of (1 - 3 t)(1 - t), over one half.
-_DEVIATION = 1.0 / 12.0
 # Least depth that counts, over the predicted greatest depth of the impact.
 _LEAST_DEPTH = 0.05
 _HERTZ = 2.943275
@@ -86,7 +76,7 @@ class ModalSettings(NamedTuple):
     max_steps: int
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def start_stages(model, state, work, h):
     """First guess of the stages: directions of the start, loads along the last step's polynomial."""
     for b in range(model.bodies.size):
@@ -103,47 +93,50 @@ def start_stages(model, state, work, h):
     for p in range(work.panels.size):
         for s in range(2):
             copy_rows(work.panels[p].coupling[s], state.coupling[p])
-    for j in range(model.joints.size):
-        own, new, ideal = state.joints[j], work.joints[j], model.joints[j].kind == IDEAL
-        for s in range(2):
+    for s in range(2):
+        for k in range(work.loads.size):
+            work.loads[k].stage[s] = state.loads[k] + NODES[s] * h * state.load_rates[k]
+        for j in range(model.joints.size):
+            motion, tried = work.joints[j].motion, work.joints[j].tried[s]
             for c in range(MOTION_COLUMNS):
-                new.motion[s, c] = new.motion[START, c]
-            for c in range(3):
-                guess = state.loads[j, c] + NODES[s] * h * state.load_rates[j, c]
-                new.load[s, c] = guess if c == 2 or ideal or own.in_contact else 0.0
-            if own.in_contact:
-                new.load[s, 0] = max(new.load[s, 0], 0.0)
-            new.tried[s, 0] = new.tried[s, 1] = 0.0
-    start_cables(state, work, h)
+                motion[s, c] = motion[START, c]
+            tried[0] = tried[1] = 0.0
+            if model.joints[j].kind == CLEARANCE:
+                normal = work.loads[force_of(model, j)].stage
+                normal[s] = max(normal[s], 0.0)
+        for c in range(model.cables.size):
+            motion = work.cables[c].motion
+            for k in range(CABLE_COLUMNS):
+                motion[s, k] = motion[START, k]
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def move_stages(model, state, work, tables, level, h, coupled):
     """Motion of bodies, attachments and joints at both stages under the present loads.
 
-    The forces of foreshortening are renewed `coupled` times; they belong to amplitudes under those of before.
+    Where `coupled`, the forces of foreshortening are renewed; they belong to amplitudes under those of before.
     """
     distribute_loads(model, state, work)
-    distribute_cables(model, work)
     stage_frames(model, state, work, h)
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
             own, answers = work.panels[p], tables.answers[d, level]
             forced_ends(own, tables.responses[d, level].response, GROUPS)
-            for _ in range(coupled):
+            if coupled:
                 couple(model.panels, own, answers, d)
                 # The forces on the rest of the end values are among the loads.
                 forced_ends(own, tables.responses[d, level].response, AXIAL_EVEN)
             add_modal_forces(model.panels, own, answers, d)
-            shorten_ends(own)
+            for s in range(2):
+                shorten_ends(own, s)
     for s in range(2):
         move_attachments(model, work, s)
         move_joints(model, work, s)
         move_cables(model, work, s)
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def velocity_tolerance(model, work, settings):
     """Tolerance of velocities [m/s] at the start of a step: of the scale, or of the hinges' speed if that is less."""
     scale, fastest = settings.velocity_scale, 0.0
@@ -154,92 +147,73 @@ def velocity_tolerance(model, work, settings):
     return settings.rtol * min(scale, max(fastest * model.length_scale, _LEAST_SCALE * scale))
 
 
-@kernel(inlined=True)
-def set_tolerances(model, state, work, settings, tables, level, h, n):
-    """Deviation of each load from its polynomial that errors of the size of the tolerances take."""
-    limit = work.velocity_tolerance[0]
-    for j in range(model.joints.size):
-        work.joints[j].torque_tolerance = limit / (_DEVIATION * velocity_by_torque(model, work, tables, level, h, j))
-    set_cable_tolerances(model, work)
+@kernel(single_caller=True)
+def set_tolerances(state, work, settings, h, n):
+    """Deviation of each force from its polynomial that errors of the size of the tolerances take."""
+    limit = work.step[0].velocity_tolerance
     for r in range(n):
-        j, kind = work.unknowns[r].owner, work.unknowns[r].kind
+        j, kind, load = work.unknowns[r].owner, work.unknowns[r].kind, work.loads[work.unknowns[r].number]
         if kind in (TORQUE_ROW, CABLE_ROW):
-            tolerance = work.joints[j].torque_tolerance if kind == TORQUE_ROW else work.cables[j].tolerance
-            work.unknowns[r].tolerance = tolerance
             continue
         # Without signs: a vibration may have turned back by the end of the step.
-        own = work.mobility[r, r].response
-        gain = _DEVIATION * (abs(own[3]) + abs(own[7]))
-        work.unknowns[r].tolerance = limit / gain
+        response = work.mobility[r, r].response
+        gain = DEVIATION * (abs(response[3]) + abs(response[7]))
+        load.tolerance = limit / gain
         if kind == NORMAL_ROW:
             own = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
             depth = max(work.joints[j].motion[SECOND, DEPTH], work.joints[j].motion[START, DEPTH], least)
             # A load that is off moves a stiff contact's depth by no more than its own share.
-            share = _LOAD_SHARE * settings.rtol * max(work.joints[j].load[1, 0], state.loads[j, 0])
-            least_load = max(share, _LEAST_LOAD * work.unknowns[r].tolerance)
+            share = _LOAD_SHARE * settings.rtol * max(load.stage[1], state.loads[work.unknowns[r].number])
+            least_load = max(share, _LEAST_LOAD * load.tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
-            work.unknowns[r].tolerance = min(work.unknowns[r].tolerance, from_depth)
+            load.tolerance = min(load.tolerance, from_depth)
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def correct_loads(model, state, work, n, h, renewed):
     """One correction of the loads by Newton's method, whose matrix is kept unless `renewed`.
 
-    Returns:
-        Greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the matrix is
-        singular or a change is not finite.
+    Returns the greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the
+    matrix is singular or a change is not finite.
     """
     size, apart, total = 0.0, 0.0, 0.0
     for s in range(2):
         fill_torques(model, state, work, s)
         for r in range(n):
             kind = work.unknowns[r].kind
-            if kind == TORQUE_ROW:
+            if kind in (TORQUE_ROW, CABLE_ROW):
                 torque_row(work, s, n, r, renewed)
-            elif kind == CABLE_ROW:
-                cable_row(work, s, n, r, renewed)
             elif kind == NORMAL_ROW:
                 contact_rows(model, state, work, s, n, r, renewed)
             elif kind != TANGENTIAL_ROW:
                 reaction_row(work, s, n, r, h, renewed)
-        for j in range(model.joints.size):
-            if work.joints[j].torque_unknown < 0:
-                change = work.joints[j].torque - work.joints[j].load[s, 2]
-                work.joints[j].load[s, 2] += change
+        for k in range(model.joints.size + model.cables.size):
+            load = work.loads[k]
+            if not load.unknown:
+                change = load.law - load.stage[s]
+                load.stage[s] += change
                 total += change
-                apart = max(apart, abs(change) / work.joints[j].torque_tolerance)
-        for c in range(model.cables.size):
-            own = work.cables[c]
-            if own.unknown < 0:
-                change = own.torque - own.load[s]
-                own.load[s] += change
-                total += change
-                apart = max(apart, abs(change) / own.tolerance)
+                apart = max(apart, abs(change) / load.tolerance)
     if n > 0:
         if renewed and not lu_factor(work.matrix, 2 * n):
             return math.inf, math.inf
         lu_solve(work.matrix, 2 * n, work.correction)
     for s in range(2):
         for r in range(n):
-            change, owner, kind = work.correction[s * n + r], work.unknowns[r].owner, work.unknowns[r].kind
-            if kind == CABLE_ROW:
-                work.cables[owner].load[s] += change
-            else:
-                work.joints[owner].load[s, load_column(kind)] += change
+            change, load = work.correction[s * n + r], work.loads[work.unknowns[r].number]
+            load.stage[s] += change
             total += change
-            size = max(size, abs(change) / work.unknowns[r].tolerance)
+            size = max(size, abs(change) / load.tolerance)
     return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def shift_stages(model, work, n):
     """Change the joints' motion at the stages by what the latest correction of the loads does, to first order.
 
-    It is for joints with clearance: a reaction's correction has no first order that would do.
-
-    Returns:
-        Greatest displacement over the clearance, to say how much the first order leaves out.
+    It is for joints with clearance: a reaction's correction has no first order that would do. Returns the greatest
+    displacement over the clearance, to say how much the first order leaves out.
     """
     greatest = 0.0
     for r in range(n):
@@ -252,34 +226,31 @@ def shift_stages(model, work, n):
                 for k in range(2):
                     value += own[4 * k + 2 * s] * work.correction[k * n + c]
                     rate += own[4 * k + 2 * s + 1] * work.correction[k * n + c]
+            motion = work.joints[j].motion[s]
             if kind == CABLE_ROW:
                 work.cables[j].motion[s, STRETCH] -= value
-                greatest = max(greatest, abs(value) * model.length_scale / joint.clearance)
-                continue
-            motion = work.joints[j].motion[s]
-            if kind == TORQUE_ROW:
+            elif kind == TORQUE_ROW:
                 motion[ANGLE] += value
-                greatest = max(greatest, abs(value) * model.length_scale / joint.clearance)
                 motion[RATE] += rate
             elif kind == NORMAL_ROW:
                 motion[DEPTH] -= value
-                greatest = max(greatest, abs(value) / joint.clearance)
                 motion[DEPTH_RATE] -= rate
             else:
                 motion[SLIP] += rate
                 motion[SLIDING_SPEED] += rate * sliding_share(joint, motion[DEPTH])
-                greatest = max(greatest, abs(value) / joint.clearance)
+            lever = model.length_scale if kind in (TORQUE_ROW, CABLE_ROW) else 1.0
+            greatest = max(greatest, abs(value) * lever / joint.clearance)
     return greatest
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def furthest_off(model, work, n):
     """Joint whose load the latest correction has changed most, over its tolerance, or -1."""
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
         for s in range(2):
-            change = abs(work.correction[s * n + r]) / work.unknowns[r].tolerance
+            change = abs(work.correction[s * n + r]) / work.loads[work.unknowns[r].number].tolerance
             if change > greatest:
                 joint, greatest = model.cables[owner].joint_b if kind == CABLE_ROW else owner, change
     return joint
@@ -295,26 +266,24 @@ def solve_step(model, state, work, settings, tables, level, h):
             last = first + answers.size
             own, d = work.panels[body.panel], body.design
             free_ends(model.panels, own, answers, d, state.q[first:last], state.v[first:last])
-    work.velocity_tolerance[0] = velocity_tolerance(model, work, settings)
+    work.step[0].velocity_tolerance = velocity_tolerance(model, work, settings)
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
-    work.counts[UNKNOWNS], work.counts[STUCK] = n, -1
+    work.step[0].unknowns, work.trial[0].joint = n, -1
     before, renewed, constrained = math.inf, True, False
     for r in range(n):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
     for iteration in range(_MOST_ITERATIONS):
-        work.counts[ITERATIONS] += 1
-        bent = constrained and iteration >= _STRAIGHT_ITERATIONS
+        state.clock[0].evaluations += 1
         if not renewed:
             renewed = shift_stages(model, work, n) > _SHIFT
         if renewed:
             # A reaction holds the joint where foreshortening has it: it must not be left behind.
-            coupled = (2 if bent else 1) if constrained else int(iteration < _COUPLED_ITERATIONS)
-            move_stages(model, state, work, tables, level, h, coupled)
-        if iteration == 0 or (bent and iteration == _STRAIGHT_ITERATIONS):
-            fill_mobility(model, work, tables, level, h, n, bent)
+            move_stages(model, state, work, tables, level, h, constrained or iteration < _COUPLED_ITERATIONS)
+        if iteration == 0:
+            fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
-        set_tolerances(model, state, work, settings, tables, level, h, n)
+        set_tolerances(state, work, settings, h, n)
         size, apart = correct_loads(model, state, work, n, h, renewed)
         if size == math.inf:
             return False
@@ -328,5 +297,5 @@ def solve_step(model, state, work, settings, tables, level, h):
         if min(left, size) <= _CONVERGED and (iteration > 0 or n == 0):
             return True
         before = size
-    work.counts[STUCK] = furthest_off(model, work, n)
+    work.trial[0].joint = furthest_off(model, work, n)
     return False

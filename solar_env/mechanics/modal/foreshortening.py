@@ -32,19 +32,19 @@ _STATIC = (
 _MIRRORED = Polynomial([1.0, -1.0])
 
 
-def slopes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(modes, points) slopes of the lowest mass-normalised bending modes at the points `x` [m].
+def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2, modes, points) deflections and slopes of the lowest mass-normalised bending modes at the points `x` [m].
 
     Hyperbolic functions are taken apart into growing and decaying exponentials, whose factors hold all digits.
     """
-    found = np.zeros((modes, x.size))
+    found = np.zeros((2, modes, x.size))
     for k in range(modes):
         number = wave_number(k + 1)
         factor = slope_factor(number)
-        sigma, rest = float(factor), float(1 - factor)
-        z = float(number) * x / length
-        shape = 0.5 * rest * np.exp(z) - 0.5 * (1.0 + sigma) * np.exp(-z) - np.sin(z) - sigma * np.cos(z)
-        found[k] = float(number) / length / math.sqrt(mass) * shape
+        sigma, z = float(factor), float(number) * x / length
+        grown, decayed, sine, cosine = float(1 - factor) * np.exp(z), (1.0 + sigma) * np.exp(-z), np.sin(z), np.cos(z)
+        found[0, k] = (0.5 * grown + 0.5 * decayed + cosine - sigma * sine) / math.sqrt(mass)
+        found[1, k] = float(number) / length / math.sqrt(mass) * (0.5 * grown - 0.5 * decayed - sine - sigma * cosine)
     return found
 
 
@@ -55,7 +55,7 @@ def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[
     into which loads at the ends bend the beam statically, less what its lowest modes take of them.
     """
     s, found = x / length, []
-    shapes = slopes(1.0, 1.0, bending, s)
+    shapes = bending_shapes(1.0, 1.0, bending, s)[1]
     for group, sign in enumerate((1.0, -1.0)):
         bent = [0.5 * (shape + sign * shape(_MIRRORED)) for shape in _STATIC]
         slope = np.stack([shape.deriv()(s) for shape in bent])
@@ -72,14 +72,7 @@ def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[
 def quadratic_forms(
     length: float, mass: float, bending: int, axial: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """K (axial, n, n) and S (2, n, n), n = bending + 4, by bending amplitudes and by the rest of the end values.
-
-    Args:
-        length: [m].
-        mass: [kg].
-        bending: number of bending modes that enter; they are mass-normalised.
-        axial: number of axial modes that enter.
-    """
+    """K (axial, n, n) and S (2, n, n), n = bending + 4, by bending amplitudes and by the rest of the end values."""
     project, ends = _unit_forms(bending, axial)
     scale = np.array([*[1.0 / math.sqrt(mass)] * bending, *[1.0, length] * 2]) / math.sqrt(length)
     both = np.outer(scale, scale)
@@ -91,7 +84,7 @@ def _unit_forms(bending: int, axial: int) -> tuple[NDArray[np.float64], NDArray[
     """Both for a panel of unit length and mass."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     x, w = 0.5 * (nodes + 1.0), 0.5 * weights
-    slope = np.concatenate([slopes(1.0, 1.0, bending, x), rest_slopes(1.0, bending, x)])
+    slope = np.concatenate([bending_shapes(1.0, 1.0, bending, x)[1], rest_slopes(1.0, bending, x)])
     numbers = np.arange(1, axial + 1)[:, None]
     # Integrals of rho times the axial modes from the first end, which is the weight of u' in their projections.
     integrated = math.sqrt(2.0) / (numbers * math.pi) * np.sin(numbers * math.pi * x)

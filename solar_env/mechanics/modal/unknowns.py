@@ -11,10 +11,7 @@ from solar_env.mechanics.joints.torques import known_stiffness, may_be_stiff
 from solar_env.mechanics.modal.arrays import (
     CABLE_ROW,
     FACES,
-    LEVER,
     NORMAL_ROW,
-    NORMAL_X,
-    NORMAL_Y,
     REACTION_X_ROW,
     REACTION_Y_ROW,
     RIGID_BODY,
@@ -22,104 +19,81 @@ from solar_env.mechanics.modal.arrays import (
     TANGENTIAL_ROW,
     TORQUE_ROW,
 )
-from solar_env.mechanics.modal.panel.coupling import bend_response
-from solar_env.mechanics.modal.panel.oscillators import A, B
-from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, side
-from solar_env.mechanics.modal.step.cables import face_load, list_cables
+from solar_env.mechanics.modal.motion import cable_attachment, face_load, force_of, outboard_load
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, A, B, side
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
 # Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
 _SOFT = 0.05
+# A load that is off by the deviation of its course from the collocation polynomial moves its body by a twelfth of what
+# the same load would if it were constant: the second integral of (1 - 3 t)(1 - t), over one half.
+DEVIATION = 1.0 / 12.0
+# Least torque ratio of a cable loop that tells of errors at the inner wheel.
+_LEAST_RATIO = 1e-3
 
 
 @kernel(inlined=True)
-def angle_by_torque(model, tables, level, h, j):
-    """Greatest change [rad] of a joint's angle by a unit of its torque over a step."""
-    joint, total = model.joints[j], 0.0
+def effect_of_torque(model, tables, level, h, j):
+    """Greatest changes over a step by a unit of a joint's torque: of its angle [rad], of its points' velocity [m/s]."""
+    joint, angle, velocity = model.joints[j], 0.0, 0.0
     for face in range(2):
         attachment = model.attachments[joint.outboard if face == 0 else joint.inboard]
         body = model.bodies[attachment.body]
-        total += 0.5 * h * h * body.inverse_inertia
+        angle += 0.5 * h * h * body.inverse_inertia
+        velocity += math.hypot(attachment.x, attachment.y) * body.inverse_inertia * h
         if body.panel != RIGID_BODY:
             response = tables.responses[body.design, level].response
             even, odd = response[BENDING_EVEN, 1, 1], response[BENDING_ODD, 1, 1]
-            total += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
-    return total
-
-
-@kernel(inlined=True)
-def velocity_by_torque(model, work, tables, level, h, j):
-    """Velocity [m/s] of the two points that joint `j` joins by a unit of its torque over a step, without signs."""
-    joint, total = model.joints[j], 0.0
-    for face in range(2):
-        number = joint.outboard if face == 0 else joint.inboard
-        attachment = model.attachments[number]
-        body = model.bodies[attachment.body]
-        lever = math.hypot(work.attachments[number].local[SECOND, 0], work.attachments[number].local[SECOND, 1])
-        total += lever * body.inverse_inertia * h
-        if body.panel != RIGID_BODY:
-            response = tables.responses[body.design, level].response
+            angle += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
             even, odd = response[BENDING_EVEN, 0, 1], response[BENDING_ODD, 0, 1]
-            total += abs(even[3] + odd[3] + even[7] + odd[7])
-    return total
+            velocity += abs(even[3] + odd[3] + even[7] + odd[7])
+    return angle, velocity
 
 
 @kernel(inlined=True)
-def list_unknown(model, work, r, kind, j):
-    """Enter unknown `r` of joint `j`."""
+def list_unknown(model, work, r, kind, j, number):
+    """Enter unknown `r` of joint `j`, the load `number`; returns how many unknowns there are then."""
     own, joint = work.unknowns[r], model.joints[j]
-    own.kind, own.owner, own.faces = kind, j, 2
+    own.kind, own.owner, own.number, own.faces = kind, j, number, 2
     own.attachment[0], own.attachment[1] = joint.outboard, joint.inboard
+    return r + 1
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def list_rows(model, state, work, tables, level, h):
-    """List the unknowns; returns their number.
+    """List the unknowns, and set the tolerances of torques; returns the number of unknowns.
 
     A torque that a step hardly changes is none: it follows the motion from iteration to iteration.
     """
     n = 0
     for j in range(model.joints.size):
-        give = angle_by_torque(model, tables, level, h, j)
-        work.joints[j].torque_unknown, work.joints[j].angle_by_torque = -1, give
-        if may_be_stiff(state.joints[j]) or known_stiffness(model.joints[j]) * give > _SOFT:
-            work.joints[j].torque_unknown = n
-            list_unknown(model, work, n, TORQUE_ROW, j)
-            n += 1
-        if model.joints[j].kind == IDEAL:
-            list_unknown(model, work, n, REACTION_X_ROW, j)
-            list_unknown(model, work, n + 1, REACTION_Y_ROW, j)
-            n += 2
+        joint, torque, force = model.joints[j], work.loads[j], force_of(model, j)
+        give, moved = effect_of_torque(model, tables, level, h, j)
+        work.joints[j].angle_by_torque, torque.tolerance = give, work.step[0].velocity_tolerance / (DEVIATION * moved)
+        torque.unknown = may_be_stiff(state.joints[j]) or known_stiffness(joint) * give > _SOFT
+        if torque.unknown:
+            n = list_unknown(model, work, n, TORQUE_ROW, j, j)
+        if joint.kind == IDEAL:
+            n = list_unknown(model, work, n, REACTION_X_ROW, j, force)
+            n = list_unknown(model, work, n, REACTION_Y_ROW, j, force + 1)
         elif state.joints[j].in_contact:
-            list_unknown(model, work, n, NORMAL_ROW, j)
-            list_unknown(model, work, n + 1, TANGENTIAL_ROW, j)
-            n += 2
-    return list_cables(model, work, n, _SOFT)
-
-
-@kernel(inlined=True)
-def load_column(kind):
-    """Column of an unknown among the loads of its joint."""
-    if kind == TORQUE_ROW:
-        return 2
-    return 0 if kind in (NORMAL_ROW, REACTION_X_ROW) else 1
-
-
-@kernel(inlined=True)
-def unit_load(model, work, kind, j):
-    """Load of a unit of an unknown on its outboard body, force and torque, and the torque on the inboard one."""
-    joint, motion = model.joints[j], work.joints[j].motion[SECOND]
-    if kind == TORQUE_ROW:
-        return 0.0, 0.0, float(joint.sign), -float(joint.sign)
-    if kind == REACTION_X_ROW:
-        return 1.0, 0.0, 0.0, 0.0
-    if kind == REACTION_Y_ROW:
-        return 0.0, 1.0, 0.0, 0.0
-    nx, ny = motion[NORMAL_X], motion[NORMAL_Y]
-    if kind == NORMAL_ROW:
-        return -nx, -ny, 0.0, 0.0
-    return -ny, nx, joint.journal_radius, -motion[LEVER]
+            n = list_unknown(model, work, n, NORMAL_ROW, j, force)
+            n = list_unknown(model, work, n, TANGENTIAL_ROW, j, force + 1)
+    for c in range(model.cables.size):
+        cable, torque = model.cables[c], work.loads[model.joints.size + c]
+        inner, outer = work.loads[cable.joint_a].tolerance, work.loads[cable.joint_b].tolerance
+        torque.tolerance = min(outer, inner / max(cable.torque_ratio, _LEAST_RATIO))
+        give = work.joints[cable.joint_b].angle_by_torque
+        give += max(cable.wheel_ratio, 1.0) * max(cable.torque_ratio, 1.0) * work.joints[cable.joint_a].angle_by_torque
+        torque.unknown = cable.stiffness * give > _SOFT
+        if torque.unknown:
+            own = work.unknowns[n]
+            own.kind, own.owner, own.number, own.faces = CABLE_ROW, c, model.joints.size + c, FACES
+            for face in range(FACES):
+                own.attachment[face] = cable_attachment(model, cable, face)
+            n += 1
+    return n
 
 
 @kernel(inlined=True)
@@ -132,7 +106,7 @@ def enter_load(model, work, number, fx, fy, torque, load):
     load[3] = torque + local[SECOND, 0] * across - local[SECOND, 1] * along
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def fill_unit_loads(model, work, n):
     """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
     for r in range(n):
@@ -145,22 +119,20 @@ def fill_unit_loads(model, work, n):
                 fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.wheel_ratio)
                 enter_load(model, work, own.attachment[face], fx, fy, torque, own.reading[face])
         else:
-            fx, fy, outboard, inboard = unit_load(model, work, own.kind, own.owner)
+            first = 1.0 if own.kind in (NORMAL_ROW, REACTION_X_ROW) else 0.0
+            second = 1.0 if own.kind in (TANGENTIAL_ROW, REACTION_Y_ROW) else 0.0
+            torque = 1.0 if own.kind == TORQUE_ROW else 0.0
+            joint, motion = model.joints[own.owner], work.joints[own.owner].motion[SECOND]
+            fx, fy, outboard, inboard = outboard_load(joint, motion, first, second, torque)
             for face in range(2):
                 sign, torque = (1.0, outboard) if face == 0 else (-1.0, inboard)
                 enter_load(model, work, own.attachment[face], sign * fx, sign * fy, torque, own.load[face])
                 copy_into(own.reading[face], own.load[face])
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def move_ends(response, load, odd, motion):
-    """Motion of both ends of a panel, along, across and turning, by a load at the end where `odd` is `side`.
-
-    Args:
-        response: (GROUPS, VALUES, VALUES, 8) of the groups.
-        load: (4,) force along and across, torque.
-        motion: (2, 3, 8) is filled.
-    """
+    """Motion of both ends of a panel, along, across and turning, by a load at the end where `odd` is `side`."""
     along, across, torque = load[0], load[1], load[2]
     for c in range(8):
         even = response[BENDING_EVEN, 0, 0, c] * across + response[BENDING_EVEN, 0, 1, c] * odd * torque
@@ -173,28 +145,7 @@ def move_ends(response, load, odd, motion):
         motion[0, 0, c], motion[1, 0, c] = even + other, even - other
 
 
-@kernel(inlined=True)
-def move_bent_ends(own, load, odd, motion):
-    """Add to the motion of both ends of a panel, see `move_ends`, what a bent axis does: see `bend_response`."""
-    along, across, torque = load[0], load[1], load[2]
-    for c in range(8):
-        value = own.bent[0, BENDING_EVEN, 0, c] + odd * own.bent[1, BENDING_EVEN, 0, c]
-        other = own.bent[0, BENDING_ODD, 0, c] + odd * own.bent[1, BENDING_ODD, 0, c]
-        motion[0, 1, c] += along * (value + other)
-        motion[1, 1, c] += along * (value - other)
-        value = own.bent[0, BENDING_EVEN, 1, c] + odd * own.bent[1, BENDING_EVEN, 1, c]
-        other = own.bent[0, BENDING_ODD, 1, c] + odd * own.bent[1, BENDING_ODD, 1, c]
-        motion[0, 2, c] += along * (other + value)
-        motion[1, 2, c] += along * (other - value)
-        for x in range(2):
-            short = across * (own.bent[x, BENDING_EVEN, 0, c] + odd * own.bent[x, BENDING_ODD, 0, c])
-            short += torque * (odd * own.bent[x, BENDING_EVEN, 1, c] + own.bent[x, BENDING_ODD, 1, c])
-            short += along * (own.shortened[0, x, c] + odd * own.shortened[1, x, c])
-            motion[0, 0, c] += short
-            motion[1, 0, c] += short if x == 0 else -short
-
-
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def add_shared(body, first, second, motion, rigid, shared):
     """Add what unit load `second` on a body does to the motion that unit load `first` works on.
 
@@ -226,17 +177,10 @@ def share_motion(model, work, p, q):
                 add_shared(body, own.reading[face], other.load[opposite], motion, work.rigid, shared)
 
 
-@kernel(inlined=True)
-def fill_mobility(model, work, tables, level, h, n, bent):
-    """Motion that each unknown works on by a unit of each other, at both stages; with foreshortening where `bent`."""
+@kernel(single_caller=True)
+def fill_mobility(model, work, tables, level, h, n):
+    """Motion that each unknown works on by a unit of each other, at both stages."""
     fill_unit_loads(model, work, n)
-    if bent:
-        for b in range(model.bodies.size):
-            p, d = model.bodies[b].panel, model.bodies[b].design
-            if p != RIGID_BODY:
-                bend_response(
-                    model.panels, work.panels[p], tables.answers[d, level], tables.responses[d, level].rest, d
-                )
     for s in range(2):
         for k in range(2):
             work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
@@ -247,10 +191,7 @@ def fill_mobility(model, work, tables, level, h, n, bent):
             body = model.bodies[attachment.body]
             if body.panel != RIGID_BODY:
                 response = tables.responses[body.design, level].response
-                odd, motion = side(attachment.end), own.motion[face]
-                move_ends(response, own.load[face], odd, motion)
-                if bent:
-                    move_bent_ends(work.panels[body.panel], own.load[face], odd, motion)
+                move_ends(response, own.load[face], side(attachment.end), own.motion[face])
     for p in range(n):
         for q in range(p + 1):
             share_motion(model, work, p, q)

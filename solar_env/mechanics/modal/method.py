@@ -12,35 +12,24 @@ import numpy as np
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, IDEAL, NEWTON_STALLED, SINGULAR_CONSTRAINTS
 from solar_env.mechanics.joints.contact import friction_share, normal_force
+from solar_env.mechanics.modal.acceptance import commit_step, keep_loads, note_extremes, step_error
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,
-    ITERATIONS,
     NORMAL_X,
     NORMAL_Y,
     RIGID_BODY,
     SECOND,
     SLIDING_SPEED,
     START,
-    STUCK,
     VELOCITY_X,
     VELOCITY_Y,
 )
-from solar_env.mechanics.modal.panel.tables import (
-    AXIAL_EVEN,
-    GROUPS,
-    LEVELS,
-    fill_level,
-    level_below,
-    level_size,
-)
-from solar_env.mechanics.modal.run.books import add_integrals
-from solar_env.mechanics.modal.run.books import note_peaks as note_peaks
-from solar_env.mechanics.modal.run.sampling import cubic, record_modal_sample
-from solar_env.mechanics.modal.step.acceptance import commit_step, keep_loads, step_error
-from solar_env.mechanics.modal.step.equations import fill_torques
-from solar_env.mechanics.modal.step.motion import look_at
-from solar_env.mechanics.modal.step.solve import ModalSettings, solve_step
+from solar_env.mechanics.modal.books import add_integrals, cubic
+from solar_env.mechanics.modal.equations import fill_torques
+from solar_env.mechanics.modal.motion import force_of, look_at
+from solar_env.mechanics.modal.solve import ModalSettings, solve_step
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, LEVELS, fill_level, level_below, level_size
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController
@@ -71,39 +60,46 @@ def convert_settings(chosen: Any) -> ModalSettings:
 def start_loads(model, state, work):
     """Torques of the laws at the start of a run."""
     look_at(model, state.q, state.v, work, START)
+    note_extremes(model, state, work, state.v)
     fill_torques(model, state, work, START)
-    for j in range(model.joints.size):
-        state.loads[j, 2] = work.joints[j].torque
-    for c in range(model.cables.size):
-        state.cable_loads[c, 0] = work.cables[c].torque
+    for k in range(model.joints.size + model.cables.size):
+        state.loads[k] = work.loads[k].law
+    take_motion(model, state, work)
 
 
 @kernel(inner=True)
 def take_motion(model, state, work):
-    """Fill the motion of the joints at the accepted state, of which the workspace has been filled."""
+    """Fill the motion of the joints, and their views, at the accepted state, of which the workspace has been filled."""
     for j in range(model.joints.size):
-        motion, place = work.motion[j], work.joints[j].motion[START]
+        motion, place, view = work.motion[j], work.joints[j].motion[START], state.views[j]
         motion.depth, motion.depth_rate = place[DEPTH], place[DEPTH_RATE]
         motion.angle, motion.rate = place[ANGLE], place[RATE]
+        inboard = work.attachments[model.joints[j].inboard].direction[START]
+        view[0], view[1], view[2], view[3] = place[ANGLE], place[RATE], inboard[0], inboard[1]
+        view[4], view[5] = place[ECCENTRICITY_X], place[ECCENTRICITY_Y]
 
 
 @kernel(inner=True)
 def begin_modal(model, state, settings, work):
     """Look at the present state."""
     clock = state.clock[0]
-    copy_into(work.q, state.q)
-    copy_into(work.v, state.v)
-    copy_into(work.integrals, state.integrals)
-    for j in range(model.joints.size):
-        for c in range(3):
-            work.joints[j].load[0, c] = work.joints[j].load[1, c] = state.loads[j, c]
+    start_at_state(state, work)
+    for k in range(work.loads.size):
+        work.loads[k].stage[0] = work.loads[k].stage[1] = state.loads[k]
     look_at(model, state.q, state.v, work, START)
     take_motion(model, state, work)
     if clock.step_size <= 0.0:
         clock.step_size = _FIRST_STEP
         clock.last_error = 1.0
-    work.counts[:] = 0
     return True
+
+
+@kernel(inlined=True)
+def start_at_state(state, work):
+    """Copy coordinates, velocities and integrals of the accepted state to the workspace."""
+    copy_into(work.q, state.q)
+    copy_into(work.v, state.v)
+    copy_into(work.integrals, state.integrals)
 
 
 @kernel(inner=True)
@@ -118,47 +114,41 @@ def choose_modal(model, state, settings, work, remaining):
     return max(wanted, remaining) if last else h
 
 
+@kernel(inlined=True)
+def tables_of(model, work):
+    """Tables and level of the trial's step."""
+    if work.trial[0].level == _OFF_TABLE:
+        return work.tables, _CUT
+    return model.tables, work.trial[0].level
+
+
 @kernel(inner=True)
 def solve_size(model, state, settings, work, h):
-    """Solve a step of the size `h` [s] of the trial's level of tables; False if that cannot be done."""
-    if work.trial[0].level == _OFF_TABLE:
-        fill_level(model.panels, work.tables, _CUT, h, work.coefficients)
-        solved = solve_step(model, state, work, settings, work.tables, _CUT, h)
-    else:
-        solved = solve_step(model, state, work, settings, model.tables, work.trial[0].level, h)
-    state.clock[0].evaluations += work.counts[ITERATIONS]
-    work.counts[ITERATIONS] = 0
-    return solved
+    """Solve a step of the size `h` [s] of the trial's level of tables; False, with how to go on, if it cannot be."""
+    trial = work.trial[0]
+    if trial.level == _OFF_TABLE:
+        fill_level(model.panels, work.tables, _CUT, h)
+    tables, level = tables_of(model, work)
+    if solve_step(model, state, work, settings, tables, level, h):
+        return True
+    trial.retry, trial.reason = UNSOLVED * h, NEWTON_STALLED if trial.joint >= 0 else SINGULAR_CONSTRAINTS
+    return False
 
 
 @kernel(inner=True)
 def attempt_modal(model, state, settings, work, h):
     """Solve a step `h` [s]; its error in units of the tolerance."""
-    trial = work.trial[0]
     if not solve_size(model, state, settings, work, h):
-        refuse(work, h)
         return math.inf
-    if trial.level == _OFF_TABLE:
-        return step_error(model, state, work, settings, work.tables, _CUT, h)
-    return step_error(model, state, work, settings, model.tables, trial.level, h)
-
-
-@kernel(inner=True)
-def refuse(work, h):
-    """Say how to go on after a step `h` [s] that could not be solved."""
-    trial = work.trial[0]
-    trial.joint, trial.retry = work.counts[STUCK], UNSOLVED * h
-    trial.reason = NEWTON_STALLED if trial.joint >= 0 else SINGULAR_CONSTRAINTS
+    tables, level = tables_of(model, work)
+    return step_error(model, state, work, settings, tables, level, h)
 
 
 @kernel(inner=True)
 def cut_modal(model, state, settings, work, h):
     """Solve a shorter step `h` [s] in place of the one tried; False if that cannot be done."""
     work.trial[0].level = _OFF_TABLE
-    solved = solve_size(model, state, settings, work, h)
-    if not solved:
-        refuse(work, h)
-    return solved
+    return solve_size(model, state, settings, work, h)
 
 
 @kernel(inner=True)
@@ -185,20 +175,10 @@ def along(work, j, value, rate, h, share):
 @kernel(inner=True)
 def complete_modal(model, state, settings, work, h):
     """Move to the end of the solved step in the workspace: coordinates, velocities, integrals."""
-    copy_into(work.q, state.q)
-    copy_into(work.v, state.v)
-    copy_into(work.integrals, state.integrals)
-    if work.trial[0].level == _OFF_TABLE:
-        commit_step(model, state, work, work.tables, _CUT, h)
-    else:
-        commit_step(model, state, work, model.tables, work.trial[0].level, h)
+    start_at_state(state, work)
+    tables, level = tables_of(model, work)
+    commit_step(model, state, work, tables, level, h)
     add_integrals(model, state, work, h)
-
-
-@kernel(inner=True)
-def sample_modal(model, state, settings, work, recorder, h, share):
-    """Store one row at a share of the step."""
-    record_modal_sample(model, state, work, recorder, h, share)
 
 
 @kernel(inner=True)
@@ -218,9 +198,9 @@ def commit_modal(model, state, settings, work, h, share):
 def evaluate_modal(model, state, work, changed):
     """Fill the forces of the joints at the accepted state."""
     for j in range(model.joints.size):
-        load = state.loads[j]
+        first, second = state.loads[force_of(model, j)], state.loads[force_of(model, j) + 1]
         ideal = model.joints[j].kind == IDEAL
-        work.motion[j].force = math.sqrt(load[0] * load[0] + load[1] * load[1]) if ideal else load[0]
+        work.motion[j].force = math.sqrt(first * first + second * second) if ideal else first
     return True
 
 
@@ -262,8 +242,9 @@ def open_contact(model, state, work, j):
     # Of note where a run starts with a journal that is pressed into its bearing.
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
     share, _ = friction_share(joint, motion[SLIDING_SPEED])
-    state.loads[j, 0], state.loads[j, 1] = normal, -joint.friction_coefficient * share * normal
-    state.load_rates[j, 0] = state.load_rates[j, 1] = 0.0
+    k = force_of(model, j)
+    state.loads[k], state.loads[k + 1] = normal, -joint.friction_coefficient * share * normal
+    state.load_rates[k] = state.load_rates[k + 1] = 0.0
     return instantaneous_inverse_mass(model, work, j)
 
 
@@ -272,5 +253,5 @@ def resume_modal(model, state, work):
     """Forget the loads of contacts that have ended."""
     for j in range(model.joints.size):
         if model.joints[j].kind == CLEARANCE and not state.joints[j].in_contact:
-            for c in range(2):
-                state.loads[j, c] = state.load_rates[j, c] = 0.0
+            for k in range(force_of(model, j), force_of(model, j) + 2):
+                state.loads[k] = state.load_rates[k] = 0.0

@@ -1,15 +1,17 @@
-"""Foreshortening in motion: what bending does to a panel's axis, and tension to its bending, at both stages of a step.
+"""Motion of the ends of a panel by groups of modes: over a step, free and under the loads at its stages; in a pose.
 
-The forms and their source are in `foreshortening`.
+With it goes foreshortening, whose forms and their source are in `foreshortening`: what bending does to a panel's axis,
+and tension to its bending, at both stages.
 """
 
-from solar_env.mechanics.modal.panel.oscillators import FROM_LOAD
-from solar_env.mechanics.modal.panel.tables import (
+from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
     EVEN_ENDS,
     EVEN_FIRST,
     FORMS,
+    FROM_LOAD,
+    FROM_RATE,
     GROUPS,
     LOW,
     ODD_ENDS,
@@ -21,16 +23,68 @@ from solar_env.mechanics.numerics.jit import kernel
 
 
 @kernel(inner=True)
-def foreshorten(forms, low, column, gradient, shortening):
-    """Values and rates of the quadratic forms, with their gradients.
+def free_ends(panels, panel, answers, d, q, v):
+    """Free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
+    for group in range(GROUPS):
+        begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
+        # Of slices: indices that cannot be negative are spared a test.
+        modes, own, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
+        w0 = w1 = w2 = w3 = s0 = s1 = s2 = s3 = defect = 0.0
+        for k in range(values.size):
+            a, b, answer = values[k], rates[k], own[k].coefficient
+            y0 = answer[0] * a + answer[FROM_RATE] * b
+            y1 = answer[1] * a + answer[FROM_RATE + 1] * b
+            y2 = answer[2] * a + answer[FROM_RATE + 2] * b
+            y3 = answer[3] * a + answer[FROM_RATE + 3] * b
+            if k < coupled:
+                low = panel.low_free[group, k]
+                low[0], low[1], low[2], low[3] = y0, y1, y2, y3
+            first, second = modes[k].row[0], modes[k].row[1]
+            w0 += first * y0
+            w1 += first * y1
+            w2 += first * y2
+            w3 += first * y3
+            s0 += second * y0
+            s1 += second * y1
+            s2 += second * y2
+            s3 += second * y3
+            defect += first * (own[k].defect[0] * a + own[k].defect[1] * b)
+        free = panel.free[group]
+        free[0, 0], free[0, 1], free[0, 2], free[0, 3] = w0, w1, w2, w3
+        free[1, 0], free[1, 1], free[1, 2], free[1, 3] = s0, s1, s2, s3
+        panel.defect[group] = defect
 
-    Args:
-        forms: (2, LOW, LOW, FORMS), see `Panels`.
-        low: (2, LOW, 4) motion of the coupled coordinates of the two bending groups.
-        column: of it that holds their values; the next one holds the rates.
-        gradient: (2, LOW, FORMS) by coordinate.
-        shortening: (2, FORMS) values, rates.
-    """
+
+@kernel(inlined=True)
+def forced_ends(panel, response, groups):
+    """Motion of the ends of a panel at both stages in the first `groups` groups, free and by the loads there."""
+    for group in range(groups):
+        for i in range(values_of(group)):
+            for c in range(4):
+                total = panel.free[group, i, c]
+                for j in range(values_of(group)):
+                    total += response[group, i, j, c] * panel.load[0, group, j]
+                    total += response[group, i, j, 4 + c] * panel.load[1, group, j]
+                panel.ends[group, i, c] = total
+
+
+@kernel(inlined=True)
+def add_modal_forces(panels, panel, answers, d):
+    """Add what the modal forces of foreshortening do to the ends of a panel."""
+    for group in range(GROUPS):
+        for r in range(panels.coupled[group]):
+            k = panels.first[group] + r
+            first, second = panel.coupling[0, group, r], panel.coupling[1, group, r]
+            mode, answer = panels.modes[d, k], answers[k].coefficient
+            for c in range(4):
+                gain = answer[FROM_LOAD + c] * first + answer[FROM_LOAD + 4 + c] * second
+                for i in range(values_of(group)):
+                    panel.ends[group, i, c] += mode.row[i] * gain
+
+
+@kernel(inner=True)
+def foreshorten(forms, low, column, gradient, shortening):
+    """Fill the quadratic forms' values and rates, and their gradients, from a `column` of `low` and the next one."""
     value0 = value1 = value2 = value3 = value4 = 0.0
     rate0 = rate1 = rate2 = rate3 = rate4 = 0.0
     for group in range(2):
@@ -63,8 +117,33 @@ def foreshorten(forms, low, column, gradient, shortening):
 
 
 @kernel(inlined=True)
-def foreshorten_pose(panels, panel, d, q, v):
-    """Foreshortening of a panel, as of the first stage, in a pose: amplitudes, their rates, and the ends' values."""
+def shorten_ends(panel, s):
+    """Add foreshortening to the axial motion of the ends of a panel at stage `s`."""
+    for c in range(2):
+        panel.ends[AXIAL_ODD, 0, 2 * s + c] += panel.shortening[s, c, ODD_ENDS]
+        panel.ends[AXIAL_EVEN, 0, 2 * s + c] += panel.shortening[s, c, EVEN_ENDS]
+
+
+@kernel(inner=True)
+def sum_ends(panels, panel, d, q, v):
+    """Motion of the ends of a panel in a pose, as of the first stage, without foreshortening."""
+    for group in range(GROUPS):
+        begin, end = panels.first[group], panels.first[group + 1]
+        modes, values, rates = panels.modes[d, begin:end], q[begin:end], v[begin:end]
+        w, w_rate, s, s_rate = 0.0, 0.0, 0.0, 0.0
+        for k in range(values.size):
+            first, second = modes[k].row[0], modes[k].row[1]
+            w += first * values[k]
+            w_rate += first * rates[k]
+            s += second * values[k]
+            s_rate += second * rates[k]
+        ends = panel.ends[group]
+        ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
+
+
+@kernel(inlined=True)
+def shorten_pose(panels, panel, d, q, v):
+    """Add foreshortening to the motion of the ends of a panel in a pose, as of the first stage."""
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):
@@ -77,6 +156,7 @@ def foreshorten_pose(panels, panel, d, q, v):
                 panel.low[group, coupled + i, 0] -= panels.modes[d, k].row[i] * q[k]
                 panel.low[group, coupled + i, 1] -= panels.modes[d, k].row[i] * v[k]
     foreshorten(panels.forms[d], panel.low, 0, panel.gradient[0], panel.shortening[0])
+    shorten_ends(panel, 0)
 
 
 @kernel(inlined=True)
@@ -110,13 +190,7 @@ def axial_form(group, r):
     return ODD_FIRST + r if group == AXIAL_ODD else EVEN_FIRST
 
 
-@kernel(inlined=True)
-def form_of_ends(odd):
-    """Form of the foreshortening that the ends feel, alike (0) or opposite (1)."""
-    return ODD_ENDS if odd else EVEN_ENDS
-
-
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def push_axial(panels, panel, d, s):
     """Modal forces of foreshortening on the axial modes of a panel at stage `s`."""
     for group in range(AXIAL_EVEN, GROUPS):
@@ -126,7 +200,7 @@ def push_axial(panels, panel, d, s):
             panel.coupling[s, group, r] = frequency * frequency * strain
 
 
-@kernel(inlined=True)
+@kernel(single_caller=True)
 def push_bending(panels, panel, d, s):
     """Forces of the tension on the bending coordinates of a panel at stage `s`."""
     for f in range(FORMS):
@@ -170,43 +244,3 @@ def couple(panels, panel, answers, d):
         move_low(panels, panel, answers, d, group)
     for s in range(2):
         push_bending(panels, panel, d, s)
-
-
-@kernel(inner=True)
-def bend_response(panels, panel, answers, rest, d):
-    """Fill what a unit of axial load does through the bent axis of a panel, as of the second stage.
-
-    The load works on the bending coordinates by the gradients of foreshortening, and by these the bending coordinates
-    shorten the axis. Forces of the axial modes are left out: they follow their load by a square of the step size.
-    """
-    panel.bent[:] = 0.0
-    panel.shortened[:] = 0.0
-    for group in range(AXIAL_EVEN):
-        coupled, gradient = panels.coupled[group], panel.gradient[1, group]
-        for r in range(coupled):
-            k = panels.first[group] + r
-            mode, answer = panels.modes[d, k], answers[k].coefficient
-            for c in range(8):
-                for x in range(2):
-                    moved = gradient[r, form_of_ends(x)] * answer[FROM_LOAD + c]
-                    for y in range(2):
-                        panel.shortened[x, y, c] += gradient[r, form_of_ends(y)] * moved
-                    for i in range(VALUES):
-                        panel.bent[x, group, i, c] += mode.row[i] * moved
-        for i in range(VALUES):
-            for j in range(VALUES):
-                for c in range(8):
-                    for x in range(2):
-                        moved = gradient[coupled + j, form_of_ends(x)] * rest[group, i, j, c]
-                        panel.bent[x, group, i, c] += moved
-                        for y in range(2):
-                            panel.shortened[x, y, c] += gradient[coupled + i, form_of_ends(y)] * moved
-
-
-@kernel(inlined=True)
-def shorten_ends(panel):
-    """Add foreshortening to the axial motion of the ends of a panel at both stages."""
-    for s in range(2):
-        for c in range(2):
-            panel.ends[AXIAL_ODD, 0, 2 * s + c] += panel.shortening[s, c, ODD_ENDS]
-            panel.ends[AXIAL_EVEN, 0, 2 * s + c] += panel.shortening[s, c, EVEN_ENDS]

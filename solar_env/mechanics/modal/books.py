@@ -1,0 +1,195 @@
+"""Books of an accepted step: integrals and force maxima; energies that are stored; and samples inside a step.
+
+A sample follows the cubics through the coordinates, and the loads along their collocation polynomial.
+"""
+
+import math
+
+from solar_env.mechanics.arrays import columns
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE, RATE
+from solar_env.mechanics.joints.cable_loop import cable_torque
+from solar_env.mechanics.joints.contact import contact_energy, friction_share, normal_force
+from solar_env.mechanics.joints.torques import (
+    add_cable_power,
+    add_torque_energies,
+    add_torque_powers,
+    enter_cable,
+    enter_torques,
+    hinge_torques,
+)
+from solar_env.mechanics.modal.arrays import (
+    DEPTH,
+    DEPTH_RATE,
+    OTHER,
+    RIGID_BODY,
+    SLIDING_SPEED,
+    SLIP,
+    STRETCH,
+    WHEEL_RATE,
+)
+from solar_env.mechanics.modal.ends import axial_form
+from solar_env.mechanics.modal.motion import force_of, look_at, outboard_load
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, WEIGHT_A, WEIGHT_B
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.records.history import note_force
+
+# Step [s] in which velocities hardly change, while rounding shows in quotients of differences.
+_SHORT = 1e-6
+
+
+@kernel(single_caller=True)
+def add_integrals(model, state, work, h):
+    """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages."""
+    integrals = work.integrals
+    for j in range(model.joints.size):
+        joint, own, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
+        for s in range(2):
+            weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
+            motion, force = work.joints[j].motion[s], force_of(model, j)
+            first_load, second_load = work.loads[force].stage[s], work.loads[force + 1].stage[s]
+            torques = hinge_torques(joint, own, motion[ANGLE], motion[RATE])
+            add_torque_powers(torques, motion[RATE], weight, j, integrals)
+            if joint.kind == m.IDEAL:
+                integrals[first + m.IMPULSE] += weight * math.sqrt(first_load * first_load + second_load * second_load)
+            elif own.in_contact:
+                normal = max(first_load, 0.0)
+                _, elastic, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
+                integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * motion[DEPTH_RATE]
+                integrals[first + m.FRICTION_DISSIPATION] -= weight * second_load * motion[SLIP]
+                integrals[first + m.IMPULSE] += weight * normal
+                integrals[first + m.SLIDING_WORK] += weight * normal * abs(motion[SLIDING_SPEED])
+    for c in range(model.cables.size):
+        cable = model.cables[c]
+        for s in range(2):
+            weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
+            motion = work.cables[c].motion[s]
+            torque, _, _ = cable_torque(cable, motion[STRETCH])
+            add_cable_power(cable, torque, motion[WHEEL_RATE], weight, integrals)
+
+
+@kernel(inlined=True)
+def note_peaks(model, state, work, h, share):
+    """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
+    postlock = state.clock[0].latched_joints > 0
+    for j in range(model.joints.size):
+        own, force = state.joints[j], force_of(model, j)
+        if own.in_contact:
+            start, first, second = state.loads[force], work.loads[force].stage[0], work.loads[force].stage[1]
+            peak = max(first, second)
+            if first > start and first > second:
+                curvature = 1.5 * (second - start - 3.0 * (first - start))
+                slope = second - start - curvature
+                peak = max(peak, start - 0.25 * slope * slope / curvature)
+            note_force(own, peak, postlock)
+
+
+@kernel(single_caller=True)
+def panel_energies(model, body, q, v, work, energies):
+    """Add the energies of a panel's amplitudes, kinetic and of strain, to which its scratch has been filled last."""
+    panels, d, first, own = model.panels, body.design, body.offset + 3, work.panels[body.panel]
+    for group in range(GROUPS):
+        for k in range(panels.first[group], panels.first[group + 1]):
+            stretch, r = q[first + k], k - panels.first[group]
+            if group >= AXIAL_EVEN and r < panels.coupled[group]:
+                stretch -= own.shortening[0, 0, axial_form(group, r)]
+            energies[m.ELASTIC] += 0.5 * (panels.modes[d, k].frequency * stretch) ** 2
+            energies[m.KINETIC] += 0.5 * v[first + k] ** 2
+
+
+@kernel
+def stored_energies(model, state, q, v, work, slot, energies):
+    """Fill the stored energies [J] of the configuration that was looked at last, at a slot."""
+    energies[:] = 0.0
+    for b in range(model.bodies.size):
+        body = model.bodies[b]
+        k = body.offset
+        if body.inverse_mass > 0.0:
+            energies[m.KINETIC] += 0.5 * body.mass * (v[k] * v[k] + v[k + 1] * v[k + 1])
+            energies[m.KINETIC] += 0.5 * body.inertia * v[k + 2] * v[k + 2]
+            energies[m.GRAVITY] -= body.mass * (model.gravity[0] * q[k] + model.gravity[1] * q[k + 1])
+        if body.panel != RIGID_BODY:
+            panel_energies(model, body, q, v, work, energies)
+    for j in range(model.joints.size):
+        joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion[slot]
+        add_torque_energies(joint, own, motion[ANGLE], energies)
+        if joint.kind == m.CLEARANCE:
+            energies[m.CONTACT] += contact_energy(joint, motion[DEPTH])
+    for c in range(model.cables.size):
+        _, _, energy = cable_torque(model.cables[c], work.cables[c].motion[slot, STRETCH])
+        energies[m.CABLE] += energy
+
+
+@kernel(inlined=True)
+def cubic(share, x0, r0, x1, r1):
+    """Value at a share of the step of the cubic through values and rates (times the step) at both ends."""
+    rest = 1.0 - share
+    return rest * rest * ((1.0 + 2.0 * share) * x0 + share * r0) + share * share * (
+        (3.0 - 2.0 * share) * x1 - rest * r1
+    )
+
+
+@kernel
+def fill_load_table(model, state, work, slot, loads, table):
+    """Fill the (joints, LOAD_COLUMNS) table of loads from motion at a slot and `loads`, ordered as those of a state."""
+    for j in range(model.joints.size):
+        joint, own, motion, row = model.joints[j], state.joints[j], work.joints[j].motion[slot], table[j]
+        first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]
+        for column in range(columns.SHARED_COLUMNS):
+            row[column] = motion[column]
+        fx, fy, _, _ = outboard_load(joint, motion, first, second, 0.0)
+        row[columns.FORCE_X], row[columns.FORCE_Y] = fx, fy
+        row[columns.NORMAL], row[columns.TANGENTIAL] = first, second
+        if joint.kind == m.IDEAL:
+            row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y] = 0.0, 0.0
+            row[columns.NORMAL], row[columns.TANGENTIAL] = math.sqrt(fx * fx + fy * fy), 0.0
+        enter_torques(hinge_torques(joint, own, motion[ANGLE], motion[RATE]), j, table)
+    for c in range(model.cables.size):
+        cable = model.cables[c]
+        torque, _, _ = cable_torque(cable, work.cables[c].motion[slot, STRETCH])
+        enter_cable(cable, torque, table)
+
+
+@kernel(inner=True)
+def sample_modal(model, state, settings, work, recorder, h, share):
+    """Store one row at a share of the step from the present state to `work.q`.
+
+    Velocities of frames are the rates of their cubics. Those of modes, which the step may not resolve, and integrals go
+    along a line.
+    """
+    n, rest = state.q.size, 1.0 - share
+    row = recorder.samples[recorder.filled[0]]
+    for i in range(n):
+        x0, v0, x1, v1 = state.q[i], state.v[i], work.q[i], work.v[i]
+        row[i] = cubic(share, x0, h * v0, x1, h * v1)
+        row[n + i] = v0 + share * (v1 - v0)
+    if h > _SHORT:
+        for b in range(model.bodies.size):
+            for i in range(model.bodies[b].offset, model.bodies[b].offset + 3):
+                rise, v0, v1 = (work.q[i] - state.q[i]) / h, state.v[i], work.v[i]
+                row[n + i] = rest * (6.0 * share * rise + (1.0 - 3.0 * share) * v0) + share * (3.0 * share - 2.0) * v1
+    look_at(model, row[:n], row[n : 2 * n], work, OTHER)
+    for k in range(work.loads.size):
+        first, second = work.loads[k].stage[0], work.loads[k].stage[1]
+        work.sample_load[k] = second + 1.5 * (share - 1.0) * (second - first)
+    for j in range(model.joints.size):
+        joint, motion, k = model.joints[j], work.joints[j].motion[OTHER], force_of(model, j)
+        if joint.kind == m.CLEARANCE:
+            # A polynomial knows neither the moment at which the surfaces part nor the one at which sliding turns round.
+            normal = max(work.sample_load[k], 0.0) if motion[DEPTH] > 0.0 else 0.0
+            slip, _ = friction_share(joint, motion[SLIDING_SPEED])
+            work.sample_load[k], work.sample_load[k + 1] = normal, -joint.friction_coefficient * slip * normal
+    fill_load_table(model, state, work, OTHER, work.sample_load, work.sample)
+    stored_energies(model, state, row[:n], row[n : 2 * n], work, OTHER, work.energies)
+    k = 2 * n
+    for j in range(model.joints.size):
+        for c in range(columns.LOAD_COLUMNS):
+            row[k] = work.sample[j, c]
+            k += 1
+    for e in range(work.energies.size):
+        row[k] = work.energies[e]
+        k += 1
+    for i in range(state.integrals.size):
+        row[k] = state.integrals[i] + share * (work.integrals[i] - state.integrals[i])
+        k += 1
+    recorder.filled[0] += 1

@@ -59,8 +59,7 @@ def kernels() -> None:
     from solar_env.commands.warmup import load_all_models
     from solar_env.mechanics.integrators.settings import INTEGRATORS
 
-    for integrator in INTEGRATORS:
-        load_all_models(integrator)
+    load_all_models(tuple(INTEGRATORS))
 
 
 @pytest.fixture(scope="session")

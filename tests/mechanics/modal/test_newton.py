@@ -1,6 +1,5 @@
 """Newton's iteration on the joints' loads where it is hard: sliding that turns, bent panels, bodies held twice."""
 
-import numpy as np
 import pytest
 
 from solar_env import ArrayParameters, SimulationError, SimulationWarning, simulate
@@ -41,8 +40,6 @@ def test_a_body_that_is_held_twice_is_reported_and_not_moved() -> None:
 
 
 def test_a_run_that_fails_outside_the_range_of_its_panels_says_so_too() -> None:
-    default = ArrayParameters()
-    stiffness = tuple(10.0 * value for value in np.broadcast_to(default.spring_stiffness, 2))
-    parameters = default.with_changes({"panel_young": default.panel_young / 1000.0, "spring_stiffness": stiffness})
-    with pytest.warns(SimulationWarning, match="have bent by"), pytest.raises(SimulationError):
-        simulate(parameters, model="flexible-ideal", rtol=2e-5, duration=5.0)
+    soft = ArrayParameters().with_changes({"panel_young": ArrayParameters().panel_young / 1000.0})
+    with pytest.warns(SimulationWarning, match="have bent by 0.3"), pytest.raises(SimulationError, match="use beam"):
+        simulate(soft, model="flexible-ideal", duration=1.0)

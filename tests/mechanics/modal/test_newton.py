@@ -11,12 +11,9 @@ from solar_env.mechanics.running.simulation import Simulation
 SHORT = 13.0  # s, a little after the latches
 
 
-@pytest.mark.parametrize(
-    ("modes", "onset"),
-    [(100, 1e-4), (32, 1e-6)],
-    ids=["residual flexibility gives way at once", "friction sets in over micrometres a second"],
-)
+@pytest.mark.parametrize(("modes", "onset"), [(100, 1e-4), (32, 1e-6)])
 def test_sliding_may_turn_in_any_step(modes: int, onset: float) -> None:
+    """With residual flexibility that gives way at once, and friction that sets in over micrometres a second."""
     parameters = ArrayParameters(friction_speed_zero=onset, friction_speed_full=10.0 * onset)
     trajectory = simulate(parameters, model=f"flexible-clearance:{modes} modes", duration=SHORT)
     assert trajectory.time[-1] == SHORT

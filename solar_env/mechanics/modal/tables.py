@@ -29,13 +29,12 @@ WEIGHT_A, WEIGHT_B = 0.75, 0.25
 
 # Rows of the coefficients of a mode: from its start value, from its start rate, and from the loads of the two stages.
 FROM_VALUE, FROM_RATE, FROM_LOAD = 0, 4, 8
-# Each has four: value and rate at the first stage, then at the second, see `column`.
+# Each has four: value and rate at the first stage, then at the second.
 COEFFICIENTS = 16
 # A step resolves a mode whose omega h is below this.
 RESOLVED = 2.0
 _TERMS = 26
 _NEGLIGIBLE = 1e-20  # part of what a term is added to
-
 
 # Tabled step sizes: the greatest [s], and their number; each is the one before over the square root of two.
 GREATEST_STEP = 0.032
@@ -51,7 +50,6 @@ LOW = 4
 # ends feel, opposite and alike.
 ODD_FIRST, ODD_SECOND, ODD_ENDS, EVEN_FIRST, EVEN_ENDS = range(5)
 FORMS = 5
-
 
 mode_type = record(
     [

@@ -38,10 +38,7 @@ class Lagrangian:
             self.inverse_mass[first + 2] = body["inverse_inertia"]
 
     def amplitudes(self, q: Complex, body: np.void) -> tuple[list[Complex], tuple[Complex, Complex]]:
-        """Amplitudes of a panel by group, and foreshortening.
-
-        The latter as projections on the lowest axial modes, and as what is left at the two ends.
-        """
+        """Amplitudes by group; foreshortening, projected on the lowest axial modes, and the rest of it at the ends."""
         first, coupled = body["offset"] + 3, self.model.panels.coupled
         groups = [q[first + group.start : first + group.stop] for group in self.groups]
         low = np.empty((coupled[0] + coupled[1], *q.shape[1:]), q.dtype)
@@ -102,10 +99,8 @@ class Lagrangian:
         model, (a, b) = self.model, (self.model.joints[cable["joint_a"]], self.model.joints[cable["joint_b"]])
         (ax, ay, _), (bx, by, _) = (self.attachment(q, number) for number in (a["outboard"], b["inboard"]))
         turn = q[model.bodies[model.attachments[a["outboard"]]["body"]]["offset"] + 2]
-        x, y = (
-            (np.cos(turn) * (bx - ax) + np.sin(turn) * (by - ay)),
-            (np.cos(turn) * (by - ay) - np.sin(turn) * (bx - ax)),
-        )
+        x = np.cos(turn) * (bx - ax) + np.sin(turn) * (by - ay)
+        y = np.cos(turn) * (by - ay) - np.sin(turn) * (bx - ax)
         chord = turn + np.arctan(y / x)
         (_, _, base), (_, _, last) = (self.attachment(q, number) for number in (a["inboard"], b["outboard"]))
         inner = a["sign"] * (chord - base - model.folded_angle[cable["joint_a"]])

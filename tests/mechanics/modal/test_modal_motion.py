@@ -59,6 +59,7 @@ def coordinates_after(mechanism: Mechanism, duration: float, integrator: ModalRa
     return simulation.state.q.copy()
 
 
+@pytest.mark.slow
 def test_motion_converges_with_third_order_to_that_of_the_lagrangian_system() -> None:
     mechanism = hanging_panel(spin=0.5)
     simulation = Simulation(mechanism, ModalRadau())

@@ -1,6 +1,5 @@
 """Newton's iteration on the joints' loads where it is hard: sliding that turns, bent panels, bodies held twice."""
 
-import numpy as np
 import pytest
 
 from solar_env import ArrayParameters, SimulationError, SimulationWarning, simulate
@@ -12,12 +11,9 @@ from solar_env.mechanics.running.simulation import Simulation
 SHORT = 13.0  # s, a little after the latches
 
 
-@pytest.mark.parametrize(
-    ("modes", "onset"),
-    [(100, 1e-4), (32, 1e-6)],
-    ids=["residual flexibility gives way at once", "friction sets in over micrometres a second"],
-)
+@pytest.mark.parametrize(("modes", "onset"), [(100, 1e-4), (32, 1e-6)])
 def test_sliding_may_turn_in_any_step(modes: int, onset: float) -> None:
+    """With residual flexibility that gives way at once, and friction that sets in over micrometres a second."""
     parameters = ArrayParameters(friction_speed_zero=onset, friction_speed_full=10.0 * onset)
     trajectory = simulate(parameters, model=f"flexible-clearance:{modes} modes", duration=SHORT)
     assert trajectory.time[-1] == SHORT
@@ -41,8 +37,6 @@ def test_a_body_that_is_held_twice_is_reported_and_not_moved() -> None:
 
 
 def test_a_run_that_fails_outside_the_range_of_its_panels_says_so_too() -> None:
-    default = ArrayParameters()
-    stiffness = tuple(10.0 * value for value in np.broadcast_to(default.spring_stiffness, 2))
-    parameters = default.with_changes({"panel_young": default.panel_young / 1000.0, "spring_stiffness": stiffness})
-    with pytest.warns(SimulationWarning, match="have bent by"), pytest.raises(SimulationError):
-        simulate(parameters, model="flexible-ideal", rtol=2e-5, duration=5.0)
+    soft = ArrayParameters().with_changes({"panel_young": ArrayParameters().panel_young / 1000.0})
+    with pytest.warns(SimulationWarning, match="have bent by 0.3"), pytest.raises(SimulationError, match="use beam"):
+        simulate(soft, model="flexible-ideal", duration=1.0)

@@ -117,9 +117,9 @@ class ArrayParameters:
     """
 
     # Derived from the rows: what is a real number, may differ from joint to joint, and does where one range is drawn.
-    CONTINUOUS: ClassVar[frozenset[str]]
-    BY_JOINT: ClassVar[frozenset[str]]
-    DRAWN_BY_JOINT: ClassVar[frozenset[str]]
+    CONTINUOUS: ClassVar[tuple[str, ...]]
+    BY_JOINT: ClassVar[tuple[str, ...]]
+    DRAWN_BY_JOINT: ClassVar[tuple[str, ...]]
     # They decide how many numbers describe the mechanism and its state.
     STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "body_fixed", "wear_bins")
 
@@ -266,11 +266,11 @@ class ArrayParameters:
 
 
 _ROWS = {item.name: (item.default, c.row_of(item)) for item in fields(ArrayParameters)}
-ArrayParameters.CONTINUOUS = frozenset(
+ArrayParameters.CONTINUOUS = tuple(
     name for name, (default, _) in _ROWS.items() if not isinstance(default, (str, int))
 )
-ArrayParameters.BY_JOINT = frozenset(name for name, (_, row) in _ROWS.items() if row.by_joint)
-ArrayParameters.DRAWN_BY_JOINT = frozenset(name for name, (_, row) in _ROWS.items() if row.drawn_by_joint)
+ArrayParameters.BY_JOINT = tuple(name for name, (_, row) in _ROWS.items() if row.by_joint)
+ArrayParameters.DRAWN_BY_JOINT = tuple(name for name, (_, row) in _ROWS.items() if row.drawn_by_joint)
 
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},

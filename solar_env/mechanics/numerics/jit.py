@@ -8,6 +8,7 @@ file and of every file of the package that this imports, so that any edit compil
 import hashlib
 import os
 import re
+import tempfile
 import warnings
 from collections.abc import Callable
 from functools import cache, partial
@@ -46,31 +47,56 @@ def kernel_sources(path: Path) -> list[Path]:
     return sorted(found)
 
 
-@cache
-def cache_folder(path: Path) -> str:
-    """Folder of the compiled kernels of a source file, in `NUMBA_CACHE_DIR` or the user's cache folder.
+def private_folder(path: Path) -> Path:
+    """Make a folder that only this user can write, or check that one is.
 
     Raises:
-        OSError: if it cannot be made, or others can write there: what is in the cache is executed.
+        OSError: if it cannot be made or written, or others can write there: what is in the cache is executed.
+    """
+    path.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if not os.access(path, os.W_OK):
+        raise PermissionError(f"{path} cannot be written")
+    found = path.stat()
+    if hasattr(os, "getuid") and (found.st_uid != os.getuid() or found.st_mode & 0o022):
+        raise OSError(
+            f"others can write in {path}, whose compiled kernels are executed; delete it (rm -r), or set "
+            "NUMBA_CACHE_DIR to a folder of your own"
+        )
+    return path
+
+
+@cache
+def cache_root() -> Path:
+    """Folder of all compiled kernels: `NUMBA_CACHE_DIR`, the user's cache folder, or else one of the temporary folder.
+
+    Raises:
+        OSError: if none can be made, or others can write there.
+    """
+    chosen = Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("solar_env", appauthor=False))
+    owner = f"-{os.getuid()}" if hasattr(os, "getuid") else ""
+    for root in (chosen, Path(tempfile.gettempdir()) / f"solar_env{owner}"):
+        try:
+            return private_folder(root)
+        except (PermissionError, FileExistsError, NotADirectoryError, FileNotFoundError):
+            continue
+        except OSError as error:
+            if error.errno is None:
+                raise
+    raise OSError(f"no folder for compiled kernels can be written (tried {chosen}); set NUMBA_CACHE_DIR to one")
+
+
+@cache
+def cache_folder(path: Path) -> str:
+    """Folder of the compiled kernels of a source file.
+
+    Raises:
+        OSError: as `cache_root`.
     """
     digest = hashlib.sha256()
     for source in kernel_sources(path):
         digest.update(source.relative_to(_PACKAGE).as_posix().encode())
         digest.update(source.read_bytes())
-    root = Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("solar_env", appauthor=False))
-    folder = root / digest.hexdigest()[:16]
-    for place in (root, folder):
-        try:
-            place.mkdir(mode=0o700, parents=True, exist_ok=True)
-        except OSError as error:
-            text = f"{place}, for compiled kernels, cannot be made ({error.strerror})"
-            raise OSError(f"{text}; set NUMBA_CACHE_DIR to another folder") from error
-        found = place.stat()
-        if hasattr(os, "getuid") and (found.st_uid != os.getuid() or found.st_mode & 0o022):
-            raise OSError(
-                f"others can write in {place}, whose compiled kernels are executed; delete it (rm -r), or set "
-                "NUMBA_CACHE_DIR to a folder of your own"
-            )
+    folder = private_folder(cache_root() / digest.hexdigest()[:16])
     return str(folder)
 
 

@@ -100,38 +100,14 @@ def test_one_round_out_of_many_that_is_disturbed_makes_no_difference(clock):
     assert compare(contestants, 1) == {"disturbed": pytest.approx(1e3)}
 
 
-@pytest.fixture
-def measured_rates(monkeypatch):
-    """Rates by name that \"compare\" is to find; nothing is made and nothing runs."""
-    rates = {}
-
-    def found(contestants, lanes):
-        assert set(contestants) == set(rates)
-        return rates
-
-    class Nothing:
-        def __init__(self, *arguments):
-            pass
-
-        def reset(self):
-            pass
-
-    monkeypatch.setattr(step_rates, "compare", found)
-    monkeypatch.setattr(step_rates, "make_native", lambda *arguments: None)
-    monkeypatch.setattr(step_rates, "spread", lambda *arguments: [])
-    monkeypatch.setattr("gymnasium.vector.SyncVectorEnv", Nothing)
-    monkeypatch.setattr("stable_baselines3.common.vec_env.SubprocVecEnv", Nothing)
-    return rates
-
-
-def test_more_threads_that_are_quicker_scale_by_more_than_one(measured_rates):
-    measured_rates |= {"one": 1000.0, "every": 3200.0}
+def test_more_threads_that_are_quicker_scale_by_more_than_one(monkeypatch):
+    monkeypatch.setattr(step_rates, "make_native", lambda model, lanes, threads: threads)
+    monkeypatch.setattr(step_rates, "available_processors", lambda: 4)
+    rates = {1: 1000.0, 4: 3200.0}
+    monkeypatch.setattr(
+        step_rates, "compare", lambda made, lanes: {name: rates[env] for name, (env, _) in made.items()}
+    )
     assert step_rates.measure_threads(MODEL) == {"threads": 3.2}
-
-
-def test_the_native_vector_is_the_quicker_the_higher_its_ratios(measured_rates):
-    measured_rates |= {"native": 3000.0, "SyncVectorEnv": 1000.0, "SubprocVecEnv": 2000.0}
-    assert step_rates.measure_peers(MODEL) == {"SyncVectorEnv": 3.0, "SubprocVecEnv": 1.5}
 
 
 def test_the_table_holds_every_figure():

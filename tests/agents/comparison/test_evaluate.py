@@ -162,7 +162,7 @@ def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(t
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
     assert common_environment(["passive", f"agent={first}"])[0] == DEPLOY_RANDOMISED
     assert common_environment(["passive"]) == (DEFAULT_ENV_ID, {})
-    with pytest.raises(ValueError, match=r"trained on different environments: .*; say with --env-id which"):
+    with pytest.raises(ValueError, match=r"trained on different environments, .*; say with --env-id which"):
         common_environment([first, second])
 
 

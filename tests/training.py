@@ -20,6 +20,7 @@ SMALL = {"ppo": PPO, "sac": OFF_POLICY, "td3": OFF_POLICY}
 
 def run(*arguments):
     words = ["--quiet", "--eval-episodes", "2", *map(str, arguments)]
+    words += [] if "--jobs" in words else ["--jobs", "1"]
     return train.run(parse_arguments(train.Args, words, "solar-env train"))
 
 

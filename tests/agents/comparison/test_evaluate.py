@@ -24,6 +24,8 @@ from solar_env.__main__ import execute, main
 from solar_env.environment.registration import DEPLOY_RANDOMISED
 from solar_env.support.numbers import plain
 
+ALONE = ["--quiet", "--jobs", "1"]
+
 
 @pytest.fixture(scope="module")
 def rows():
@@ -59,7 +61,8 @@ def test_controllers_are_compared_with_the_first_and_with_the_best_baseline(rows
 
 
 def test_the_command_writes_what_it_prints(tmp_path, capsys):
-    execute("evaluate", ["--controllers", "passive", "damper", "--episodes", "2", "--quiet", "--out", str(tmp_path)])
+    words = ["--controllers", "passive", "damper", "--episodes", "2", *ALONE]
+    execute("evaluate", [*words, "--out", str(tmp_path)])
     text = (tmp_path / "comparison.md").read_text()
     assert numbers(text) <= numbers(capsys.readouterr().out)
     with Image.open(tmp_path / "comparison.png") as figure:
@@ -77,7 +80,7 @@ def test_the_command_writes_what_it_prints(tmp_path, capsys):
 
 def test_finished_episodes_that_are_none_are_told_by_their_file(tmp_path, capsys):
     result = '{"return": "much", "latched": true}'
-    words = ["evaluate", "--controllers", "passive", "--episodes", "1", "--quiet", "--out", str(tmp_path)]
+    words = ["evaluate", "--controllers", "passive", "--episodes", "1", *ALONE, "--out", str(tmp_path)]
     words += ["--model", "rigid-ideal", "--env-kwargs", *QUICK]
     assert main(words) == 0
     store = tmp_path / "episodes.jsonl"
@@ -95,7 +98,7 @@ QUICK = ["deadline=0.5", "postlock_window=0.2"]
 
 def evaluated_on(folder, *arguments):
     """The environment keywords that the command records."""
-    execute("evaluate", [*arguments, "--episodes", "1", "--quiet", "--out", str(folder)])
+    execute("evaluate", [*arguments, "--episodes", "1", *ALONE, "--out", str(folder)])
     return json.loads((folder / "metrics.json").read_text())["settings"]["env_kwargs"]
 
 
@@ -159,7 +162,7 @@ def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(t
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
     assert common_environment(["passive", f"agent={first}"])[0] == DEPLOY_RANDOMISED
     assert common_environment(["passive"]) == (DEFAULT_ENV_ID, {})
-    with pytest.raises(ValueError, match=r"trained on different environments: .*; say with --env-id which"):
+    with pytest.raises(ValueError, match=r"trained on different environments, .*; say with --env-id which"):
         common_environment([first, second])
 
 
@@ -220,7 +223,7 @@ def test_suites_that_there_are_not_and_their_scenarios_are_told():
 def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     model = ["--model", "flexible-clearance:1 element"]
-    execute("evaluate", ["--suite", "robust", "--controllers", "passive", *model, "--episodes", "1", "--quiet"])
+    execute("evaluate", ["--suite", "robust", "--controllers", "passive", *model, "--episodes", "1", *ALONE])
     settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
     assert settings["env_id"] == DEPLOY_RANDOMISED
     assert settings["env_kwargs"] == {"model": "flexible-clearance:1 element"}

@@ -4,7 +4,7 @@ import io
 import json
 import pickle
 import re
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -59,10 +59,12 @@ def test_a_run_folder_holds_all_that_describes_the_run(ppo_run):
 
 
 def test_the_same_seed_trains_the_same_policy_and_another_seed_another(ppo_run, tmp_path):
-    same = run("--timesteps", 600, "--out", tmp_path / "same", *SMALL["ppo"])
-    other = run("--timesteps", 600, "--out", tmp_path / "other", "--seed", 1, *SMALL["ppo"])
-    np.testing.assert_array_equal(policy_weights(ppo_run), policy_weights(same))
-    assert not np.array_equal(policy_weights(ppo_run), policy_weights(other))
+    config = runs.read_config(ppo_run)
+    for name, changed in (("same", config), ("other", replace(config, seed=1))):
+        (tmp_path / name).mkdir()
+        learn.train(learn.Training(changed, tmp_path / name, progress=False, threads=1))
+    np.testing.assert_array_equal(policy_weights(ppo_run), policy_weights(tmp_path / "same"))
+    assert not np.array_equal(policy_weights(ppo_run), policy_weights(tmp_path / "other"))
 
 
 def test_resuming_continues_step_count_normalisation_and_validation_history(ppo_run, tmp_path):

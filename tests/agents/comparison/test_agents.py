@@ -190,12 +190,6 @@ class Example:
     """some pairs"""
 
 
-def test_pairs_add_up_when_their_option_is_repeated():
-    once = parse_arguments(Example, ["--keywords", "a=1", "b=2"])
-    assert parse_arguments(Example, ["--keywords", "a=1", "--keywords", "b=2"]) == once
-    assert parse_arguments(Example, []).keywords == {}
-
-
 @pytest.mark.parametrize(
     "error",
     [ValueError("no x; name another"), FileNotFoundError("no x; name another"), SimulationError("no x", 1.0, "step")],
@@ -226,9 +220,8 @@ def test_a_documented_dataclass_is_a_command_line(capsys):
     [
         (["--stepz", "3"], "--stepz"),
         (["--steps", "few"], "--steps: .*'few'"),
-        (["--names"], "--names is given without a value; give at least one, or leave it out"),
         (["--keywords", "k"], "--keywords: cannot read 'k'"),
-        (["--keywords", "a=1", "--keywords", "a=2"], "--keywords: 'a' is given twice"),
+        (["--keywords", "a=1", "--keywords", "a=2"], "--keywords is given twice"),
     ],
 )
 def test_wrong_input_ends_the_command_line_with_one_sentence_and_status_2(capsys, arguments, message):

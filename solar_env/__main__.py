@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from solar_env.commands import table
-from solar_env.support.interruption import report_interruption
+from solar_env.support.interruption import hearing, report_interruption
 
 PROG = "solar-env"
 
@@ -33,7 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     usual = warnings.formatwarning
     warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"  # without the line of code
     try:
-        status = _answer(words)
+        with hearing():
+            status = _answer(words)
         if sys.stdout is not None:
             sys.stdout.flush()
         return status
@@ -43,8 +44,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _drop_output()
         return 0
     except (ValueError, OSError, MemoryError, RuntimeError) as error:
-        if isinstance(error.__cause__, KeyboardInterrupt):  # Python's, of Ctrl-C while a class is being made
-            return report_interruption(error.__cause__)
         if isinstance(error, RuntimeError) and not _failed_run(error):
             raise
         _drop_output()

@@ -1,5 +1,6 @@
 """Ctrl-C: one line that says what was kept, and exit status 130, in every command."""
 
+import _thread
 import atexit
 import gc
 import signal
@@ -7,6 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 EXIT_STATUS = 130  # 128 + SIGINT, as shells have it
 
@@ -42,6 +44,43 @@ def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[Non
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def hearing() -> Iterator[None]:
+    """Let Ctrl-C end the block wherever it comes.
+
+    Where C has called Python, as compilers do, its exception is lost: it is raised again, and an error that comes of
+    the lost one is replaced.
+    """
+    heard: list[object] = []
+    timers: list[threading.Timer] = []
+    usual = sys.unraisablehook
+
+    def press(*_: object) -> None:
+        heard.append(True)
+        raise KeyboardInterrupt
+
+    def again(lost: Any) -> None:
+        if not heard:
+            usual(lost)
+            return
+        timers.append(threading.Timer(0.05, _thread.interrupt_main))
+        timers[-1].daemon = True
+        timers[-1].start()
+
+    sys.unraisablehook = again
+    try:
+        with _answering(press):
+            yield
+    except Exception as error:
+        if heard:
+            raise KeyboardInterrupt from error
+        raise
+    finally:
+        sys.unraisablehook = usual
+        for timer in timers:
+            timer.cancel()
 
 
 @contextmanager

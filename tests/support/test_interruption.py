@@ -1,6 +1,7 @@
 """Ctrl-C ends every command with exit status 130 and one line of what was kept, in worker processes too."""
 
 import builtins
+import ctypes
 import os
 import re
 import signal
@@ -44,6 +45,31 @@ def test_so_does_the_script_while_packages_are_being_loaded(capsys, monkeypatch)
     )
     assert script.main(["train"]) == 130
     assert capsys.readouterr().err == "interrupted; nothing was kept\n"
+
+
+@pytest.mark.parametrize("afterwards", ["it goes on", "it fails"])
+def test_ctrl_c_where_c_has_called_python_is_heard(afterwards, capsys):
+    def in_a_callback(call):
+        """Call Python from C, as a compiler does: an exception does not get out of it."""
+        ctypes.CFUNCTYPE(None)(call)()
+
+    def press():
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(1)
+
+    @interruption.hearing()
+    def work():
+        in_a_callback(press)
+        if afterwards == "it fails":
+            raise RuntimeError("no compiled object yet")
+        in_a_callback(lambda: time.sleep(1))  # where it comes again, and is lost again
+        time.sleep(10)
+
+    usual = sys.unraisablehook
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert capsys.readouterr().err == ""
+    assert sys.unraisablehook is usual
 
 
 def test_what_must_not_be_torn_hears_ctrl_c_at_its_end_with_other_threads_about():

@@ -179,9 +179,8 @@ def test_an_error_that_is_none_of_the_input_is_shown_whole(monkeypatch):
     [
         (["--stepz", "3"], "--stepz"),
         (["--steps", "few"], "--steps: .*'few'"),
-        (["--names"], "--names is given without a value; give at least one, or leave it out"),
         (["--keywords", "k"], "--keywords: cannot read 'k'"),
-        (["--keywords", "a=1", "--keywords", "a=2"], "--keywords: 'a' is given twice"),
+        (["--keywords", "a=1", "--keywords", "a=2"], "--keywords is given twice"),
     ],
 )
 def test_wrong_input_ends_the_command_line_with_one_sentence_and_status_2(capsys, arguments, message):

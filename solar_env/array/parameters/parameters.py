@@ -266,9 +266,7 @@ class ArrayParameters:
 
 
 _ROWS = {item.name: (item.default, c.row_of(item)) for item in fields(ArrayParameters)}
-ArrayParameters.CONTINUOUS = tuple(
-    name for name, (default, _) in _ROWS.items() if not isinstance(default, (str, int))
-)
+ArrayParameters.CONTINUOUS = tuple(name for name, (default, _) in _ROWS.items() if not isinstance(default, (str, int)))
 ArrayParameters.BY_JOINT = tuple(name for name, (_, row) in _ROWS.items() if row.by_joint)
 ArrayParameters.DRAWN_BY_JOINT = tuple(name for name, (_, row) in _ROWS.items() if row.drawn_by_joint)
 

@@ -65,7 +65,6 @@ def private_folder(path: Path) -> Path:
     return path
 
 
-@cache
 def cache_root() -> Path:
     """Folder of all compiled kernels: `NUMBA_CACHE_DIR`, the user's cache folder, or else one of the temporary folder.
 

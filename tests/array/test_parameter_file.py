@@ -6,6 +6,7 @@ import re
 from dataclasses import fields, replace
 
 import gymnasium
+import numpy as np
 import pytest
 
 import solar_env
@@ -49,10 +50,15 @@ def test_the_file_has_the_words_of_toml_and_what_it_leaves_out_has_its_default(f
     assert '\ncable_torque_ratio = "none"\n' in text
 
 
-def test_environments_take_the_array_and_its_ranges(file):
-    content = "clearance = [1e-4, 2e-4]\n[randomize]\nclearance = [[0.5e-4, 1.5e-4], 2.2e-4]\nbody_mass = [1e3, 2e3]"
+def test_tolerances_are_ranges_about_the_values_and_environments_take_both(file):
+    content = (
+        "clearance = [1e-4, 2e-4]\n[tolerance]\nclearance = 2e-5\nbody_inertia=5\n[randomize]\nbody_mass=[1e3,2e3]"
+    )
     read = solar_env.read_parameters(file(content))
-    assert read.randomize == {"clearance": ((0.5e-4, 1.5e-4), (2.2e-4, 2.2e-4)), "body_mass": (1e3, 2e3)}
+    assert set(read.randomize) == {"clearance", "body_inertia", "body_mass"}
+    np.testing.assert_allclose(read.randomize["clearance"], [[0.8e-4, 1.8e-4], [1.2e-4, 2.2e-4]], rtol=1e-12)
+    np.testing.assert_allclose(read.randomize["body_inertia"], [245.0, 255.0], rtol=1e-12)
+    assert read.randomize["body_mass"] == (1e3, 2e3)
     settings = EnvironmentSettings.of(gymnasium.make(DEPLOY, **read._asdict()).spec.kwargs)
     assert settings.array == read.parameters
     assert settings.ranges == read.randomize
@@ -67,6 +73,12 @@ REFUSED = (
     ("[randomize]\nrestitution = [0.9, 0.7]", "low <= high"),
     ("[randomize]\nclearence = [1e-5, 1e-4]", "did you mean 'clearance'"),
     ("randomize = 3", "write [randomize]"),
+    ("[tolerance]\nbody_mass = -1", "must be a finite number, not negative"),
+    ("[tolerance]\nbody_mass = [1, 2]", "must be a single number"),
+    ("[tolerance]\nclearance = [1e-6, 1e-6, 1e-6]", "more entries than panels"),
+    ("[tolerance]\nclearance = 3e-4", "must be positive"),
+    ("[tolerance]\nbody_mass=1\n[randomize]\nbody_mass = [1, 2]", "stands in both"),
+    ("tolerance.clearance = -1", "must be a finite number"),
     ("[randomise]\nclearance = [1e-5, 1e-4]", "did you mean 'randomize'"),
     # What contradicts a value that the file leaves out.
     ("body_mass = 900\njournal_radius = 1e-4", "clearance = 0.0002 must be below journal_radius"),

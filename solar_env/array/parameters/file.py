@@ -1,11 +1,13 @@
 """Files of parameters in TOML: reading one, and writing a complete one that explains each parameter.
 
-Values stand at the top of the file, under the names and in the units of `ArrayParameters`. The table `randomize` gives
-low and high ends of what is not known exactly, as the keyword of the environments does.
+Values stand at the top of the file, under the names and in the units of `ArrayParameters`. Two tables say what is not
+known exactly: `tolerance` gives half-widths about the values, `randomize` low and high ends, as the keyword of the
+environments does. Both are drawn uniformly, by joint where the parameter is.
 """
 
 import inspect
 import json
+import math
 import re
 import textwrap
 import tomllib
@@ -17,9 +19,10 @@ from solar_env.array.names import unknown_name
 from solar_env.array.parameters.checks import row_of
 from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
+from solar_env.support.numbers import is_number
 from solar_env.support.plain_arrays import read_at_most
 
-RANDOMIZE = "randomize"
+TOLERANCE, RANDOMIZE = "tolerance", "randomize"
 # How a file says None, for which TOML has no word.
 NONE = "none"
 _MOST_BYTES = 2**20
@@ -57,16 +60,40 @@ def read_parameters(path: str | Path) -> ParameterFile:
 
 
 def _parameter_file(values: dict[str, Any]) -> ParameterFile:
-    ranges = values.pop(RANDOMIZE, {})
-    if not isinstance(ranges, dict):
-        raise ValueError(f"{RANDOMIZE} must be a table: write [{RANDOMIZE}] and the parameters below it")
+    tables = {name: values.pop(name, {}) for name in (TOLERANCE, RANDOMIZE)}
+    for name, table in tables.items():
+        if not isinstance(table, dict):
+            raise ValueError(f"{name} must be a table: write [{name}] and the parameters below it")
     rows = {item.name: row_of(item) for item in fields(ArrayParameters)}
     for name in values:
         if name not in rows:
-            raise ValueError(unknown_name("parameter", name, [*rows, RANDOMIZE]))
+            raise ValueError(unknown_name("parameter", name, [*rows, *tables]))
     changes = {name: None if rows[name].optional and value == NONE else value for name, value in values.items()}
-    parameters = ArrayParameters().with_changes(changes)
+    parameters, ranges = ArrayParameters().with_changes(changes), dict(tables[RANDOMIZE])
+    for name, half_width in tables[TOLERANCE].items():
+        if name in ranges:
+            raise ValueError(f"{name} stands in both {TOLERANCE} and {RANDOMIZE}; keep one")
+        ranges[name] = _about(parameters, name, half_width)
     return ParameterFile(parameters, checked_ranges(parameters, ranges))
+
+
+def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any, Any]:
+    """Low and high end of a parameter with a tolerance."""
+    if name not in ArrayParameters.CONTINUOUS:
+        return half_width, half_width  # whose refusal names the parameter
+    told, by_joint = f"tolerance of {name} = {half_width!r}", name in ArrayParameters.BY_JOINT
+    widths = half_width if isinstance(half_width, list) else [half_width]
+    if not widths or not all(is_number(width) and 0.0 <= width < math.inf for width in widths):
+        raise ValueError(f"{told} must be a finite number, not negative")
+    joints = len(parameters.joints) if by_joint else 1
+    if len(widths) > joints:
+        raise ValueError(f"{told} must be a single number" if joints == 1 else f"{told} has more entries than panels")
+    if getattr(parameters, name) is None:
+        raise ValueError(f"{name} has no value to which a tolerance belongs; give it one")
+    values = parameters.for_each_joint(name) if by_joint else parameters.entries(name)
+    widths += widths[-1:] * (joints - len(widths))
+    low, high = ([v + sign * w for v, w in zip(values, widths, strict=True)] for sign in (-1.0, 1.0))
+    return (low, high) if by_joint else (low[0], high[0])
 
 
 def _explained(error: ValueError) -> str:
@@ -95,7 +122,11 @@ _HEAD = """\
 # a list whose last entry also holds for all further joints. None is written as a word in quotation marks.
 """
 _TABLES = f"""
-# What is not known exactly is drawn anew for every run of an ensemble, uniformly between a low and a high end.
+# What is not known exactly is drawn anew for every run of an ensemble, uniformly: half-widths about the values above
+# in the one table, low and high ends in the other.
+[{TOLERANCE}]
+# clearance = 2e-5
+
 [{RANDOMIZE}]
 # friction_coefficient = [0.05, 0.3]
 """

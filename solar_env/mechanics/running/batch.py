@@ -121,7 +121,7 @@ class Batch:
         Raises:
             SimulationError: if a lane cannot go on; a note names the lane. It stays at its last accepted step, the
                 others have advanced.
-            KeyboardInterrupt: within a second of Ctrl-C; every lane stays at an accepted step.
+            KeyboardInterrupt: within two seconds of Ctrl-C; every lane stays at an accepted step.
 
         Warns:
             SimulationWarning: as `Simulation.check`.

@@ -147,7 +147,7 @@ class Simulation:
             ValueError: if `end_time` is not finite or lies before the present time.
             SimulationError: if the run cannot go on, or takes more than `integrator.max_steps` steps; the state stays
                 at the last accepted step.
-            KeyboardInterrupt: within a second of Ctrl-C; the state stays at an accepted step.
+            KeyboardInterrupt: within two seconds of Ctrl-C; the state stays at an accepted step.
 
         Warns:
             SimulationWarning: as `check`.
@@ -298,7 +298,7 @@ def simulate(
     Raises:
         ValueError: if duration or output_step is not positive and finite, or the samples are too many.
         SimulationError: if the run cannot go on, or takes more than `integrator.max_steps` steps.
-        KeyboardInterrupt: within a second of Ctrl-C.
+        KeyboardInterrupt: within two seconds of Ctrl-C.
 
     Warns:
         SimulationWarning: if the result is less accurate than it looks, see `Simulation.check`.

@@ -9,7 +9,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_type_hints
 
 import tyro
 from rich.console import Console
@@ -158,7 +158,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
     Field `env_id` becomes `--env-id`, its help is the string literal below it; a bool becomes a flag, a list takes any
     number of values, `Assignments` take `key=value` pairs. Wrong input ends the process with one sentence and status 2.
     """
-    report = io.StringIO(_senseless(argv))
+    report = io.StringIO(_senseless(cls, argv))
     try:
         if report.getvalue():
             raise SystemExit(2)
@@ -174,10 +174,12 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
     return read
 
 
-def _senseless(argv: Sequence[str]) -> str:
-    """What tyro lets pass: an empty word, as of a variable of the shell that is not set, and an option repeated."""
+def _senseless(cls: type[Any], argv: Sequence[str]) -> str:
+    """What tyro lets pass: an empty word, as of a variable of the shell that is not set, and pairs that it drops."""
+    hints = get_type_hints(cls, include_extras=True)
+    pairs = {f"--{name.replace('_', '-')}" for name, kind in hints.items() if kind == Assignments}
     options = [word.partition("=")[0] for word in argv if word.startswith("--")]
-    twice = [option for option in options if options.count(option) > 1]
+    twice = [option for option in options if option in pairs and options.count(option) > 1]
     if "" in argv or any(f"{option}=" in argv for option in options):
         return "\na value is empty; give one, or leave it out"
     return f"\n{twice[0]} is given twice; give it once" if twice else ""

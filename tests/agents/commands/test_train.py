@@ -81,7 +81,7 @@ def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message)
 
 
 def test_a_run_folder_with_a_name_that_is_too_long_is_refused(tmp_path):
-    with pytest.raises(OSError, match=r"aaa \(File name too long\); choose another name"):
+    with pytest.raises(OSError, match="File name too long"):
         run("--out", tmp_path / ("a" * 256))
 
 

@@ -24,22 +24,24 @@ TOLERANCE = 1e-5  # of actions, between the network and its ONNX form
 
 @dataclass
 class Args:
-    """Write a policy as ONNX or C, or as a folder with its arrays, its ONNX form and a card."""
+    """Write a policy as arrays, ONNX or C, or as a folder with its arrays, its ONNX form and a card."""
 
     policy: Annotated[str, tyro.conf.Positional] = "cma-es-nominal"
     """run folder, or policy of the package, or folder that this command wrote"""
-    out: Path = Path("policy.h")
-    """.onnx; one C header, .h; without a suffix a folder with arrays and ONNX form, and for a run with the card too,
-    which is a policy of the package in agents/policies"""
+    out: Path = Path("policy.npz")
+    """arrays, .npz, with their description beside them, .json; .onnx; one C header, .h; without a suffix a folder with
+    arrays and ONNX form, and for a run with the card too, which is a policy of the package in agents/policies"""
 
 
 def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
     path = args.out
     if path.suffix:
-        check_target(path, (".onnx", ".h"))
+        check_target(path, (".npz", ".onnx", ".h"))
         policy = named_policy(args.policy)
-        if path.suffix.lower() == ".onnx":
+        if path.suffix.lower() == ".npz":
+            shipped.save(path.parent, policy, path.stem)
+        elif path.suffix.lower() == ".onnx":
             write_bytes(path, onnx_form().onnx_model(policy.network).SerializeToString())
         else:
             description = policy.description

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import gymnasium
@@ -26,12 +27,14 @@ from solar_env.pictures.gif import write_gif
 from solar_env.pictures.page.content import Page, Table
 from solar_env.pictures.page.document import write_page
 from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table
-from solar_env.support.files import check_target
+from solar_env.support.files import check_target, write_bytes
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
-# Of a film: height of a controller's name and width of a frame [pixels], frames a second, times real time.
-CAPTION, WIDTH, FRAMES_PER_SECOND, SPEED = 28, 640, 10.0, 3.0
+# Of a film: height of a controller's name [pixels], and frames a second.
+CAPTION, FRAMES_PER_SECOND = 28, 10.0
+# Width of a frame [pixels], and times real time: a GIF in full size and time has tens of megabytes.
+FILMS = {".mp4": (960, 1.0), ".gif": (640, 3.0)}
 
 
 @dataclass
@@ -44,7 +47,7 @@ class Args(ModelOptions, QuietOption, CommandRecord):
     controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
     """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
     out: Path = Path("replay.html")
-    """page in motion that needs no network, .html; film, three times as fast, .gif; figure, .png"""
+    """page in motion that needs no network, .html; film, .mp4, or three times as fast, .gif; figure, .png"""
     seed: int = 0
     """chooses the evaluation episode"""
     env_id: str = DEFAULT_ENV_ID
@@ -53,11 +56,14 @@ class Args(ModelOptions, QuietOption, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    check_target(args.out, (".html", ".gif", ".png"))
+    check_target(args.out, (".html", *FILMS, ".png"))
     suffix, (seed,) = args.out.suffix.lower(), episode_seeds("evaluation", args.seed, 1)
-    if suffix == ".gif":
+    if suffix in FILMS:
+        if suffix == ".mp4":
+            _encoder()
         shown = _each(args, render_mode="rgb_array")
-        write_film([filmed(env, controller, name, seed) for name, controller, env in shown], args.out)
+        films = [filmed(env, controller, name, seed, *FILMS[suffix]) for name, controller, env in shown]
+        write_film(films, args.out)
     elif suffix == ".png":
         steps: dict[str, list[Step]] = {}
         for name, controller, env in _each(args):
@@ -113,32 +119,32 @@ def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, An
     return Page("One episode, " + " beside ".join(episodes), answer, motions, charts_of(episodes), tables, notes)
 
 
-def filmed(env: Any, controller: Controller, name: str, seed: int) -> list[Image.Image]:
+def filmed(env: Any, controller: Controller, name: str, seed: int, width: int, speed: float) -> list[Image.Image]:
     """Run an episode of an environment with `render_mode="rgb_array"`; its frames, under the controller's name."""
     film: list[Image.Image] = []
-    interval = SPEED / FRAMES_PER_SECOND
+    interval = speed / FRAMES_PER_SECOND
 
     def record(step: Step) -> None:
         due = math.ceil(step.time_s / interval - 1e-6) - len(film)
         if due > 0:
-            film.extend([_captioned(env.render(), name)] * due)
+            film.extend([_captioned(env.render(), name, width)] * due)
 
     run_episode(env, controller, seed, record)
     return film
 
 
-def _captioned(frame: np.ndarray, name: str) -> Image.Image:
+def _captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
     """A frame in the film's width, under the name of its controller."""
     image = Image.fromarray(frame)
-    height = round(WIDTH * image.height / image.width)
-    captioned = Image.new("RGB", (WIDTH, CAPTION + height), "white")
-    captioned.paste(image.resize((WIDTH, height), Image.Resampling.LANCZOS), (0, CAPTION))
+    height = round(width * image.height / image.width)
+    captioned = Image.new("RGB", (width, CAPTION + height), "white")
+    captioned.paste(image.resize((width, height), Image.Resampling.LANCZOS), (0, CAPTION))
     ImageDraw.Draw(captioned).text((10, 5), name, "black", ImageFont.load_default(16))
     return captioned
 
 
 def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
-    """Write films as one GIF, one above the other; a film that ends first stays on its last frame."""
+    """Write films as one, one above the other; a film that ends first stays on its last frame."""
     width, height = films[0][0].size
     frames = []
     for k in range(max(map(len, films))):
@@ -146,4 +152,22 @@ def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
         for row, film in enumerate(films):
             frame.paste(film[min(k, len(film) - 1)], (0, height * row))
         frames.append(frame)
-    write_gif(frames, path, FRAMES_PER_SECOND)
+    if path.suffix.lower() == ".gif":
+        write_gif(frames, path, FRAMES_PER_SECOND)
+        return
+    with TemporaryDirectory() as folder:
+        draft = Path(folder) / path.name
+        writer: Any = _encoder().write_frames(str(draft), frames[0].size, fps=FRAMES_PER_SECOND, macro_block_size=2)
+        next(writer)
+        for frame in frames:
+            writer.send(np.ascontiguousarray(frame))
+        writer.close()
+        write_bytes(path, draft.read_bytes())
+
+
+def _encoder() -> Any:
+    try:
+        import imageio_ffmpeg
+    except ImportError as error:
+        raise ValueError("MP4 needs imageio-ffmpeg: pip install 'solar-env[video]', or write a .gif") from error
+    return imageio_ffmpeg

@@ -107,14 +107,14 @@ class ShippedPolicy(DeterministicController):
         self.description.signals.check(env, f"{self.description.env_id} with {self.description.env_kwargs}")
 
 
-def save(folder: Path, policy: ShippedPolicy) -> None:
+def save(folder: Path, policy: ShippedPolicy, stem: str = "policy") -> None:
     """Write `policy.npz`, which holds plain arrays alone, and `policy.json` into an existing folder."""
     layers = enumerate(policy.network.layers, start=1)
     arrays = {f"{name}_{number}": array for number, layer in layers for name, array in layer._asdict().items()}
-    with writing(folder / ARRAYS) as file:
+    with writing(folder / f"{stem}.npz") as file:
         np.savez(file, **arrays)
     content = {"format": FORMAT, **asdict(policy.description)}
-    write_text(folder / DESCRIPTION, json.dumps(content, indent=2, allow_nan=False) + "\n")
+    write_text(folder / f"{stem}.json", json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
 def available() -> list[str]:

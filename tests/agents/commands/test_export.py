@@ -62,7 +62,7 @@ def test_the_suffix_says_the_form_of_a_run_or_a_shipped_policy(finished, tmp_pat
     for source, name in ((run, "run"), (folder, "shipped")):
         made = tmp_path / name
         made.mkdir()
-        for suffix in (".onnx", ".h", ""):
+        for suffix in (".npz", ".onnx", ".h", ""):
             execute("export", [str(source), "--out", str(made / f"policy{suffix}")])
         observations = random_observations(20)
         actions, _ = load_shipped(made / "policy").predict(observations)
@@ -71,7 +71,7 @@ def test_the_suffix_says_the_form_of_a_run_or_a_shipped_policy(finished, tmp_pat
         assert (made / "policy.h").is_file()
         session = onnxruntime.InferenceSession(made / "policy.onnx")
         np.testing.assert_allclose(session.run(None, {"observation": observations})[0], actions, rtol=0.0, atol=1e-6)
-    with pytest.raises(ValueError, match=r"the suffix '.zip' .* choose from .onnx, .h"):
+    with pytest.raises(ValueError, match=r"the suffix '.zip' .* choose from .npz, .onnx, .h"):
         execute("export", [str(run), "--out", str(tmp_path / "policy.zip")])
 
 

@@ -75,19 +75,25 @@ def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
     assert f"Of 2 controllers {softest} lands softest, with at most {min(forces):.3g} N" in answer
 
 
-def test_a_film_shows_all_controllers_in_their_time(tmp_path):
-    path = tmp_path / "film.gif"
+@pytest.mark.parametrize("suffix", replay.FILMS)
+def test_a_film_shows_all_controllers_in_their_time(suffix, tmp_path):
+    encoder = pytest.importorskip("imageio_ffmpeg")
+    path, (width, speed) = tmp_path / f"film{suffix}", replay.FILMS[suffix]
     short = [*RIGID, "--env-kwargs", "deadline=0.9", "postlock_window=0.3", "control_period=0.3"]
     assert main(["replay", "--controllers", "passive", "damper", *short, "--out", str(path)]) == 0
+    frames = round(0.9 / (speed / replay.FRAMES_PER_SECOND))
+    if suffix == ".mp4":
+        assert encoder.count_frames_and_secs(str(path)) == (frames, pytest.approx(0.1 * frames, abs=0.11))
+        return
     with Image.open(path) as shown:
-        assert shown.n_frames == 3
+        assert shown.n_frames == frames
         assert shown.info["duration"] == 100
-        assert shown.size == (replay.WIDTH, 2 * (replay.CAPTION + round(replay.WIDTH * 540 / 960)))
+        assert shown.size == (width, 2 * (replay.CAPTION + round(width * 540 / 960)))
 
 
 def test_every_episode_of_a_film_stands_under_its_controllers_name(tmp_path):
     blank = np.full((540, 960, 3), 255, np.uint8)
-    films = [[replay._captioned(blank, name)] * count for name, count in (("passive", 1), ("servo", 3))]
+    films = [[replay._captioned(blank, name, 640)] * count for name, count in (("passive", 1), ("servo", 3))]
     replay.write_film(films, tmp_path / "film.gif")
     with Image.open(tmp_path / "film.gif") as shown:
         picture = np.asarray(shown.convert("L"), int)
@@ -112,7 +118,7 @@ def test_a_figure_shows_the_same_episode_of_every_controller(tmp_path, monkeypat
 @pytest.mark.parametrize(
     ("options", "word"),
     [
-        (["--out", "film.avi"], ".html, .gif, .png"),
+        (["--out", "film.avi"], ".html, .mp4, .gif, .png"),
         (["--out", "no/such/page.html"], "no/such"),
         (["--controllers", "nobody"], "nobody"),
     ],

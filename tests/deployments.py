@@ -10,7 +10,7 @@ from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
 
 # A method with each control of steps: adaptive, its own, and that of modal panels.
-EXAMPLES: list[Integrator] = [RungeKutta(), GeneralizedAlpha(step=5e-5), ModalRadau()]
+EXAMPLES: list[Integrator] = [RungeKutta(), GeneralizedAlpha(step=4e-5), ModalRadau()]
 every_integrator = pytest.mark.parametrize("integrator", EXAMPLES, ids=lambda i: i.name)
 # Levels of natural coordinates, and of all methods; few elements and modes, which is quick.
 BEAMS = ["flexible-ideal:2 elements", "flexible-clearance:2 elements"]

@@ -24,7 +24,7 @@ TOLERANCE = 1e-5  # of actions, between the network and its ONNX form
 
 @dataclass
 class Args:
-    """Write a policy as arrays, ONNX or C, or as a folder with its arrays, its ONNX form and a card."""
+    """Write a policy as arrays, ONNX or C, or as a folder with a card."""
 
     policy: Annotated[str, tyro.conf.Positional] = "cma-es-nominal"
     """run folder, or policy of the package, or folder that this command wrote"""
@@ -40,7 +40,7 @@ def run_command(args: Args) -> int:
         check_target(path, (".npz", ".onnx", ".h"))
         policy = named_policy(args.policy)
         if path.suffix.lower() == ".npz":
-            shipped.save(path.parent, policy, path.stem)
+            shipped.write_policy(path.parent, policy, path.stem)
         elif path.suffix.lower() == ".onnx":
             write_bytes(path, onnx_form().onnx_model(policy.network).SerializeToString())
         else:
@@ -115,7 +115,7 @@ def export(run: str | Path, folder: Path) -> ShippedPolicy:
             config = asdict(runs.read_config(run))
             text = card(folder.name, config, policy, env.unwrapped, scores or "None were measured.", found)
     with new_folder(folder) as made:
-        shipped.save(made, policy)
+        shipped.write_policy(made, policy)
         write_bytes(made / shipped.ONNX, onnx_bytes)
         if text:
             write_text(made / shipped.CARD, text)

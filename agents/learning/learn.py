@@ -79,7 +79,7 @@ class Validation(EvalCallback):
     _LISTS = ("evaluations_timesteps", "evaluations_results", "evaluations_length")
 
     def __init__(self, env: VecEnv, folder: Path, every: int, episodes: int, config: Configuration) -> None:
-        keep = Call(lambda model: shipped.save(folder, policy_of(model, config)))
+        keep = Call(lambda model: shipped.write_policy(folder, policy_of(model, config)))
         super().__init__(env, keep, None, episodes, every, None, verbose=0)
         self._log = folder / runs.EVALUATIONS
 

@@ -107,7 +107,7 @@ class ShippedPolicy(DeterministicController):
         self.description.signals.check(env, f"{self.description.env_id} with {self.description.env_kwargs}")
 
 
-def save(folder: Path, policy: ShippedPolicy, stem: str = "policy") -> None:
+def write_policy(folder: Path, policy: ShippedPolicy, stem: str = "policy") -> None:
     """Write `policy.npz`, which holds plain arrays alone, and `policy.json` into an existing folder."""
     layers = enumerate(policy.network.layers, start=1)
     arrays = {f"{name}_{number}": array for number, layer in layers for name, array in layer._asdict().items()}

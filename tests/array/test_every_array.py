@@ -31,7 +31,7 @@ from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 
-NAMES = sorted(ArrayParameters.CONTINUOUS - {"hinge_y", "initial_spin", "initial_rate", "spring_preload_angle"})
+NAMES = sorted(set(ArrayParameters.CONTINUOUS) - {"hinge_y", "initial_spin", "initial_rate", "spring_preload_angle"})
 DURATION = 0.3  # s
 TORQUE = 0.5  # N m, the environment's bound
 

@@ -49,4 +49,4 @@ def test_commands_say_that_kernels_are_compiled_where_they_are_not_there_yet(not
     loading = "loading kernels of rigid-clearance, runge-kutta"
     assert told[0][0] == f"{loading} (compiles kernels first: minutes, this time alone)"
     assert told[1][0] == loading
-    assert told[0][1:] == told[1][1:] == ["seconds simulated: 0 of 0.1, 0:00:00"]
+    assert told[0][1:] == told[1][1:] == []

@@ -47,7 +47,7 @@ def test_docstrings_begin_with_the_thing_or_with_what_it_does():
     """A fragment that leans on the name above it says nothing on a page; nor does a bare unit."""
     fragment = re.compile(r"(?:Of|That|Those|What|To|From|In|Back|About|Any|Both)\b|(?:\([^)]*\) )?\[")
     files = [path for package in ("solar_env", "agents") for path in (ROOT / package).rglob("*.py")]
-    assert len(files) > 300
+    assert len(files) > 250
     read = [(path, *found) for path in files for found in docstrings(ast.parse(path.read_text(encoding="utf-8")))]
     assert [f"{path.name}: {name}: {text}" for path, name, text in read if fragment.match(text)] == []
 

@@ -38,7 +38,7 @@ def read_policy(path):
 
 def read_run(path):
     path.rename(path.parent / runs.CONFIG)
-    runs.stored_configuration(path.parent)
+    runs.read_config(path.parent)
     runs.steps_taken(path.parent)
 
 

@@ -98,7 +98,7 @@ def _impact_shortcoming(run: Any) -> str:
         return ""
     return (
         f"an impact of {duration:.3g} s got {steps:.2g} steps, and an exit speed good to 1 % needs {needed}; "
-        f"take a fixed step of at most {duration / needed:.2g} s, or give rtol"
+        f"take a fixed step of at most {duration / needed:.2g} s, or another method"
     )
 
 

@@ -112,7 +112,7 @@ IMPLICIT = StabilityMap(
     ),
     panels=tuple(_LAWS),
     quantity="exit speed over the exact one, worst of all bounces",
-    advice="Take eight steps or more in an impact, and up to 23 with rho_inf below 0.5, or give rtol, which does it by "
+    advice="Take eight steps or more in an impact, and up to 23 with rho_inf below 0.5, or take a method that does it by "
     "itself: with fewer, generalized-alpha takes energy from every bounce or adds to it, whatever rho_inf.",
     measure=measure_implicit,
     limit=lambda panel, rho_inf: 1.0 / steps_per_impact(rho_inf),

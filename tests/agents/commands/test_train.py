@@ -66,7 +66,7 @@ def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
         (["--hyperparams", "policy_kwargs=3"], "ppo refuses its hyperparameters .*'policy_kwargs': 3"),
         (["--algo", "cma-es", "--hyperparams", "first_weights=much"], "cma-es refuses its hyperparameters .*'much'"),
         (["--hyperparams", f"first_weights={[0.5] * 17}"], "ppo refuses its hyperparameters"),
-        (["--model", "rigid-clearance:4 elements"], "name it 'rigid-clearance'"),
+        (["--model", "rigid-clearance:4 elements"], "has rigid panels, which take no count"),
         (["--env-kwargs", "scenario=randomised"], "leave the keyword out and choose --env-id"),
         (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),
         (["--eval-episodes", "0"], "the number of episodes is 0; choose one from 1"),

@@ -34,7 +34,7 @@ def test_a_frame_shows_bent_panels_as_smooth_curves(model, monkeypatch):
     monkeypatch.setattr("solar_env.environment.showing.film.Renderer.draw", lambda self, scene: scenes.append(scene))
     env.render()
     for panel, places in zip(scenes[0].panels, nodes, strict=True):
-        assert np.array_equal(panel[[0, len(panel) // 2, -1]], places[:, 0])
+        np.testing.assert_allclose(panel[[0, len(panel) // 2, -1]], places[:, 0], rtol=0.0, atol=1e-15)
         # No corner turns as far as that of a polyline through the nodes alone.
         turns = np.diff(np.unwrap(np.arctan2(*np.diff(panel, axis=0).T[::-1])))
         assert np.abs(turns).max() < 0.5 * 2.0 * math.atan(0.1 / 0.75)

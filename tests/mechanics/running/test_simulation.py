@@ -48,7 +48,7 @@ def test_an_integrator_that_is_none_is_refused() -> None:
 
 ARRAYS: list[tuple[str, Integrator]] = [
     ("rigid-clearance", RungeKutta()),
-    ("rigid-clearance", GeneralizedAlpha(step=5e-5)),
+    ("rigid-clearance", GeneralizedAlpha(step=4e-5)),
     ("flexible-clearance", Rosenbrock()),
     ("flexible-clearance", ModalRadau()),
 ]

@@ -73,7 +73,7 @@ def test_a_foreign_file_is_refused_by_name_and_an_npz_with_what_it_lacks(
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"other": np.ones(2)}, "it holds 'other.npy', which does not belong there"),
+        ({"other": np.ones(2)}, "it holds 'other', which does not belong there"),
         ({"angles": np.zeros((3, 2))}, r"angles has the shape \(3, 2\), which does not fit"),
         ({"time": np.zeros((3, 1))}, "has the shape"),
         ({"peak_force": np.zeros(2, dtype=np.float32)}, "peak_force is of the type float32; expected float64"),

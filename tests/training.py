@@ -38,5 +38,5 @@ def write_policy(folder, output=None, **changes):
     output = output or Layer(np.zeros((1, len(described["observation_names"])), np.float32), np.zeros(1, np.float32))
     network = PolicyNetwork((output,), 1.0, "tanh", "clip")
     folder.mkdir(exist_ok=True)
-    shipped.save(folder, ShippedPolicy(network, Description(**described)))
+    shipped.write_policy(folder, ShippedPolicy(network, Description(**described)))
     return Description(**described)

@@ -21,8 +21,6 @@ BYPASSES = re.compile(
     r"""|shutil\.(copy|copyfile|move)\("""
 )
 ALLOWED = {
-    # Of a policy, which goes through the one function.
-    "agents/learning/learn.py": 1,
     # An own record of every cell, appended: what an interruption cuts short is done again.
     "solar_env/support/campaigns.py": 1,
     "solar_env/support/files.py": 3,

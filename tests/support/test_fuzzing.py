@@ -39,7 +39,7 @@ def read_policy(path):
 def read_run(path):
     path.rename(path.parent / runs.CONFIG)
     runs.read_config(path.parent)
-    runs.steps_taken(path.parent)
+    runs.is_complete(path.parent)
 
 
 def read_changes(path):

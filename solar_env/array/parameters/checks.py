@@ -38,7 +38,7 @@ class Usual(NamedTuple):
 
 
 class Row(NamedTuple):
-    """What is known of a parameter beside its default; `among` are the texts that it may be.
+    """A parameter's properties beside its default; `among` are the texts that it may be.
 
     A quantity by joint may differ from joint to joint; one drawn by joint does where one range is drawn from.
     """

@@ -105,7 +105,7 @@ BOUNDED = 0
 
 
 class Version(NamedTuple):
-    """What the number of an environment's id stands for: limits and times, the form of the prices, a code of
+    """A version of the task, the number of an environment's id: limits and times, the form of the prices, a code of
     `reward.cost`, and the prices of the terms that are charged, in the words of the keyword `reward`.
     """
 

@@ -18,7 +18,7 @@ _COLUMNS = (
 
 
 def found_sets() -> dict[str, Changes]:
-    """What differs from the `paper` preset, by the names of the shortlist and "front 1", "front 2" and so on."""
+    """Changes of the `paper` preset, by the names of the shortlist and "front 1", "front 2" and so on."""
     rows = {str(row["name"]): row for row in read_table(FOLDER / "identification-shortlist.csv").rows}
     front = read_table(FOLDER / "identification-front.csv").rows
     rows |= {f"front {number}": row for number, row in enumerate(front, start=1)}

@@ -112,8 +112,8 @@ IMPLICIT = StabilityMap(
     ),
     panels=tuple(_LAWS),
     quantity="exit speed over the exact one, worst of all bounces",
-    advice="Take eight steps or more in an impact, and up to 23 with rho_inf below 0.5, or take a method that does it by "
-    "itself: with fewer, generalized-alpha takes energy from every bounce or adds to it, whatever rho_inf.",
+    advice="Take eight steps or more in an impact, and up to 23 with rho_inf below 0.5, or take a method that does so "
+    "by itself: with fewer, generalized-alpha takes energy from every bounce or adds to it, whatever rho_inf.",
     measure=measure_implicit,
     limit=lambda panel, rho_inf: 1.0 / steps_per_impact(rho_inf),
     limit_label="the library warns to the right of this line: 8 steps, or 1 % of the speed lost to algorithmic damping",

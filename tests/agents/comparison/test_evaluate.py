@@ -89,7 +89,7 @@ def test_finished_episodes_that_are_none_are_told_by_their_file(tmp_path, capsys
     capsys.readouterr()
     assert main(words) == 2
     error = capsys.readouterr().err
-    assert error.startswith(f"error: {store} is damaged: {result}"), error
+    assert error.startswith(f"error: {store} is damaged: a line of it holds no cell with its result ({result}"), error
     assert error.count("\n") == 1
 
 

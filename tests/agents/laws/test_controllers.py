@@ -86,7 +86,7 @@ def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_
     third = shipped.load_shipped("third")
     (layer,) = third.network.layers
     stronger = replace(third.network, layers=(layer._replace(biases=2.0 * layer.biases),))
-    shipped.save(tmp_path / "third", ShippedPolicy(stronger, policy))
+    shipped.write_policy(tmp_path / "third", ShippedPolicy(stronger, policy))
     assert motor_work() != first
     (tmp_path / "damper.json").write_text("{}")
     with pytest.raises(ValueError, match="was made by other code or with other settings"):

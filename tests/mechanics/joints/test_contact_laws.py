@@ -37,7 +37,7 @@ SURFACES = Surfaces(
     0.0102, 0.0100, 1.0, bearing_young=105e9, bearing_poisson=0.34, journal_young=207e9, journal_poisson=0.3
 )
 MASS, SPEED, CLEARANCE = 6.0, 0.05, 2e-4
-EXPLICIT_AND_IMPLICIT: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha(step=2e-6))
+EXPLICIT_AND_IMPLICIT: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha(step=5e-7))
 EVERY_LAW = pytest.mark.parametrize("name", CONTACT_LAWS)
 EVERY_RESTITUTION = pytest.mark.parametrize("coefficient", [0.1, 0.9, 1.0])
 

@@ -61,7 +61,7 @@ def test_a_resolving_fixed_step_and_an_adaptive_one_are_silent_about_impacts() -
 def test_energy_that_a_latch_gains_under_a_long_step_is_told() -> None:
     said = told_by(lambda: simulate(swinging_link(1e8), 0.4, integrator=GeneralizedAlpha(step=1e-3)))
     (one,) = (one for one in said if "that no force accounts for" in one)
-    assert re.search(r"by t = 0\.4 s .* has gained \S+ J .* % of the \S+ J turned over; reduce the step, or give", one)
+    assert re.search(r"by t = 0\.4 s .* has gained \S+ J .* % of the \S+ J turned over; reduce the step$", one)
 
 
 def test_energy_that_a_loose_tolerance_loses_is_told_with_the_tolerance() -> None:

@@ -27,7 +27,7 @@ FORMULA_WORDS = {
 
 
 def words(measured: Mapping[str, Values], lock_angles: Values, deadline: float) -> dict[str, Any]:
-    """The values that the words of the formulas stand for in several arrays, (lanes, joints) or (lanes, 1), at one moment.
+    """The values of the words of the formulas in several arrays, (lanes, joints) or (lanes, 1), at one moment.
 
     Measured, by the names in `MEASURED`, are (lanes, joints) angles in units of the lock angles [rad], rates [rad/s]
     and latch switches, and the time left (lanes, 1) in units of the deadline [s].

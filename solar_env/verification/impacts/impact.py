@@ -70,9 +70,9 @@ def undamped_duration(contact: PowerLaw, speed: float) -> float:
     return float(2.0 / power * beta(1.0 / power, 0.5) * depth / speed)
 
 
-def _resolving(integrator: Integrator, duration: float) -> Integrator:
-    """The integrator with a fixed step, if it takes one, of a hundredth of an impact's duration [s]."""
-    return replace(integrator, step=duration / 100) if isinstance(integrator, GeneralizedAlpha) else integrator
+def _resolving(integrator: Integrator, duration: float, steps: int = 100) -> Integrator:
+    """The integrator with a number of steps, if they are fixed, in an impact of a duration [s]."""
+    return replace(integrator, step=duration / steps) if isinstance(integrator, GeneralizedAlpha) else integrator
 
 
 def _bearing(contact: PowerLaw) -> Bearing:
@@ -82,7 +82,7 @@ def _bearing(contact: PowerLaw) -> Bearing:
 def _speed_ratio(contact: PowerLaw, speed: float, integrator: Integrator) -> float:
     """Exit over entry speed of one bounce off the wall."""
     duration = undamped_duration(contact, speed)
-    simulation = Simulation(bouncing_block(_bearing(contact), MASS, speed), _resolving(integrator, duration))
+    simulation = Simulation(bouncing_block(_bearing(contact), MASS, speed), _resolving(integrator, duration, 40))
     simulation.advance(CLEARANCE / speed + 0.5 * duration)
     while simulation.state.joints[0]["in_contact"]:
         simulation.advance(simulation.time + duration)

@@ -37,7 +37,7 @@ SURFACES = Surfaces(
     0.0102, 0.0100, 1.0, bearing_young=105e9, bearing_poisson=0.34, journal_young=207e9, journal_poisson=0.3
 )
 MASS, SPEED, CLEARANCE = 6.0, 0.05, 2e-4
-EXPLICIT_AND_IMPLICIT: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha(step=5e-7))
+EXPLICIT_AND_IMPLICIT: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha(step=2e-6))
 EVERY_LAW = pytest.mark.parametrize("name", CONTACT_LAWS)
 EVERY_RESTITUTION = pytest.mark.parametrize("coefficient", [0.1, 0.9, 1.0])
 
@@ -144,11 +144,15 @@ def test_a_block_leaves_the_wall_with_the_speed_that_the_law_claims(
     assert -run.velocities[-1, 0] / SPEED == pytest.approx(law.exit_speed_ratio(), rel=5e-3)
 
 
+# Those of a block in flight, which are rounding; that of the contact is none of them.
+@pytest.mark.filterwarnings("ignore:.*the constraint forces of the integrator are off")
 @EVERY_LAW
 @pytest.mark.parametrize("integrator", EXPLICIT_AND_IMPLICIT, ids=lambda integrator: integrator.name)
 def test_an_undamped_impact_is_as_deep_and_as_long_as_the_law_predicts(name: str, integrator: Integrator) -> None:
     law = contact_law(name, SURFACES, 1.0)
     depth, duration = law.impact_scales(law.parameters(), 1.0 / MASS, SPEED)
+    if isinstance(integrator, GeneralizedAlpha):
+        integrator = GeneralizedAlpha(step=duration / 200.0)
     assert law.energy(law.parameters(), depth) == pytest.approx(0.5 * MASS * SPEED**2, rel=1e-13)
     block = bouncing_block(Bearing(CLEARANCE, 0.01, law), MASS, SPEED)
     end = CLEARANCE / SPEED + 2.0 * duration

@@ -161,8 +161,8 @@ def applied_forces(model, joint_states, q, v, work):
     joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
-@kernel(inlined=True)
-def accelerations(model, joint_states, q, v, time, work, a, multipliers):
+@kernel(inner=True)
+def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Accelerations (n,) at a configuration, with loads and powers in `work`; False if constraints are redundant.
 
     `multipliers` receives those of the linear rows, then one per body for its length.
@@ -175,6 +175,12 @@ def accelerations(model, joint_states, q, v, time, work, a, multipliers):
     if m == 0:
         return True
     return apply_linear_constraints(model, q, v, time, work, a, multipliers)
+
+
+@kernel
+def accelerations(model, joint_states, q, v, time, work, a, multipliers):
+    """`inlined_accelerations` as a call: inlined at every place it would take long to compile."""
+    return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
 @kernel(inner=True)

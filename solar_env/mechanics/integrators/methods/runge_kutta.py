@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import TORQUES
 from solar_env.mechanics.arrays.model import State
-from solar_env.mechanics.equations.system import accelerations
+from solar_env.mechanics.equations.system import inlined_accelerations
 from solar_env.mechanics.integrators.methods.stiff_forces import begin_step, correct_stage, may_be_stiff, product
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
@@ -139,7 +139,9 @@ def take_stages(model, state, arrays, h):
                     + c3 * acceleration[3, i]
                 )
             copy_into(velocity[s], v)
-            if not accelerations(model, joint_states, q, v, time + _NODES[s] * h, work, acceleration[s], multipliers):
+            if not inlined_accelerations(
+                model, joint_states, q, v, time + _NODES[s] * h, work, acceleration[s], multipliers
+            ):
                 return False
             copy_into(stage_power[s], power)
         if stiff.active[0] > 0 and s < STAGES - 1:

@@ -139,7 +139,7 @@ def explicit_impacts() -> Iterator[Check]:
 def modal_impacts() -> Iterator[Check]:
     """Impacts of a deployment with modal panels.
 
-    The method's tolerance is one of speeds, here 0.1 mm/s: restitutions of slow impacts are less accurate.
+    The method's tolerance is one of speeds, here 0.1 mm/s: of slow impacts, exit speeds are compared and no ratios.
     """
     model = "flexible-clearance"
     name, default = f"{model}, 32 modes a panel, 16 s", default_integrator(model)
@@ -150,7 +150,6 @@ def modal_impacts() -> Iterator[Check]:
     for quantity, obtained, tolerance in (
         ("median error of a restitution", np.median(shares), 2e-3),
         ("share of restitutions off by more than 1 %", np.mean(shares > 0.01), 0.2),
-        ("largest error of a restitution", shares.max(), 0.1),
         (f"largest error of one, from {_FAST:g} m/s on", shares[speed >= _FAST].max(), 3e-3),
         ("largest error of an exit speed [m/s]", errors.max(), 3.0 * default.rtol * default.velocity_scale),
     ):

@@ -4,7 +4,8 @@
 and joints are modelled, `construction` turns both into a mechanism, `methods` says which integrator a level gets and
 whether it is compiled; `deployment` simulates one, `data_files` keeps it, `ladder` chooses the cheapest level.
 
-Imports `mechanics` and `support`. A new parameter is a field of `ArrayParameters`, documented there, and its use in `construction`.
+Imports `mechanics` and `support`. A new parameter is a field of `ArrayParameters`, documented there, and its use in
+`construction`.
 """
 
 from solar_env.array.construction import build as build

@@ -94,11 +94,6 @@ def write_text(path: str | Path, content: str) -> None:
     write_bytes(path, content.encode())
 
 
-def copy_file(source: str | Path, target: str | Path) -> None:
-    """Copy a file's content whole or not at all; see `writing`."""
-    write_bytes(target, Path(source).read_bytes())
-
-
 def save_figure(figure: Any, path: str | Path, **options: Any) -> None:
     """Write a Matplotlib figure whole or not at all, in the format that the name ends in, with options of `savefig`."""
     with writing(path) as file:

@@ -56,14 +56,9 @@ class PaperFigure(ABC):
 
     ensemble = False
 
-    def _columns(self, member: Member) -> dict[str, Array]:
-        """Columns of the table of a member; those of the second case begin with EQ_40."""
-        own, *others = (self._of(member[case]) for case in self.cases)
-        return own | {EQ_40 + name: column for other in others for name, column in list(other.items())[1:]}
-
-    def _of(self, motion: Trajectory) -> dict[str, Array]:
-        """Columns of a deployment."""
-        raise NotImplementedError
+    @abstractmethod
+    def table(self, members: Sequence[Member]) -> list[Row]:
+        """Its table, from the deployments of these members of the ensemble."""
 
     @abstractmethod
     def _draw(self, figure: Figure, table: Table) -> None:
@@ -89,6 +84,18 @@ class PaperFigure(ABC):
         """The members of the ensemble that it shows."""
         return range(MEMBERS if self.ensemble else 1)
 
+    def draw(self, table: Table, path: Path) -> None:
+        """Draw the figure from its table to a PNG file; the same table gives the same file."""
+        with mpl.rc_context(STYLE):
+            figure = Figure(layout="constrained")
+            self._draw(figure, table)
+            figure.suptitle(f"{self.heading}:\n{self._conclude(table)}", fontsize=9)
+            save_figure(figure, path, dpi=80)
+
+
+class DeploymentFigure(PaperFigure):
+    """A figure of deployments, whose table has a column for each quantity."""
+
     def table(self, members: Sequence[Member]) -> list[Row]:
         """Its table, with nine digits: of an ensemble the medians, and beside them columns `_least` and `_greatest`."""
         tables = [self._columns(member) for member in members]
@@ -103,13 +110,21 @@ class PaperFigure(ABC):
         digits = [[float(f"{x:.9g}") for x in column] for column in columns.values()]
         return [dict(zip(columns, cells, strict=True)) for cells in zip(*digits, strict=True)]
 
-    def draw(self, table: Table, path: Path) -> None:
-        """Draw the figure from its table to a PNG file; the same table gives the same file."""
-        with mpl.rc_context(STYLE):
-            figure = Figure(layout="constrained")
-            self._draw(figure, table)
-            figure.suptitle(f"{self.heading}:\n{self._conclude(table)}", fontsize=9)
-            save_figure(figure, path, dpi=80)
+    @abstractmethod
+    def _columns(self, member: Member) -> dict[str, Array]:
+        """Columns of the table of a member."""
+
+
+class CaseFigure(DeploymentFigure):
+    """A figure of one case, or of two beside each other; the columns of the second begin with EQ_40."""
+
+    def _columns(self, member: Member) -> dict[str, Array]:
+        own, *others = (self._of(member[case]) for case in self.cases)
+        return own | {EQ_40 + name: column for other in others for name, column in list(other.items())[1:]}
+
+    @abstractmethod
+    def _of(self, motion: Trajectory) -> dict[str, Array]:
+        """Columns of a deployment."""
 
 
 def _by_joint(name: str, values: Array) -> dict[str, Array]:
@@ -133,7 +148,7 @@ def _frame(axis: Axes, top: float) -> None:
     axis.axhline(top, color=FAINT, linestyle="--", label="end of the paper's axis")
 
 
-class Angles(PaperFigure):
+class Angles(CaseFigure):
     """Joint angles; how far they still swing in the end."""
 
     ensemble = True
@@ -156,7 +171,7 @@ class Angles(PaperFigure):
 
 
 @dataclass(frozen=True)
-class JournalPath(PaperFigure):
+class JournalPath(CaseFigure):
     """Path of the journal of a joint, counted from 0, in the three phases; when these change."""
 
     joint: int
@@ -189,7 +204,7 @@ class JournalPath(PaperFigure):
         return f"impacts to {time[phase > 1][0]:.2f} s, then along the wall to {time[phase > 2][0]:.2f} s, then across"
 
 
-class ContactForces(PaperFigure):
+class ContactForces(CaseFigure):
     """Greatest contact forces of short windows, joint by joint; of two cases side by side, in the paper's frame."""
 
     column, label, unit = "force_{}_N", "contact force [N]", "N"
@@ -233,7 +248,7 @@ class Torques(ContactForces):
         return {"time_s": motion.time, **_by_joint(self.column, getattr(motion, self.quantity))}
 
 
-class Wear(PaperFigure):
+class Wear(CaseFigure):
     """Depths of wear round bearings and journals with both stiffnesses; where they are deepest."""
 
     ensemble = True
@@ -269,7 +284,7 @@ class Wear(PaperFigure):
 
 
 @dataclass(frozen=True)
-class Models(PaperFigure):
+class Models(DeploymentFigure):
     """A quantity of the four models, and how much they differ from the first in each phase."""
 
     quantity: str

@@ -5,7 +5,7 @@ import math
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(single_caller=True)
+@kernel
 def last_latch(joint_states):
     """Time of the last latching [s], or nan while a joint is open."""
     latest = -math.inf
@@ -16,7 +16,7 @@ def last_latch(joint_states):
     return latest
 
 
-@kernel(inner=True)
+@kernel
 def missed_deadline(state, task):
     """Whether a joint is still open at the deadline."""
     latched_at = last_latch(state.joints)

@@ -156,7 +156,7 @@ def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
     return np.array([(row.code, joint, row.low, row.high) for row, joint in measured], dtype=channel_type)
 
 
-@kernel(inner=True)
+@kernel
 def reading(code, j, model, state, task):
     """The exact value of a quantity, in its unit, at joint `j`; of motors, at motor `j`."""
     joint, joint_state, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
@@ -188,7 +188,7 @@ def reading(code, j, model, state, task):
     return math.nan
 
 
-@kernel(single_caller=True)
+@kernel
 def observe(model, state, task, channels, out):
     """Write the exact values of all channels (measured,), within their bounds, to `out` (measured,) float32."""
     for k in range(channels.size):

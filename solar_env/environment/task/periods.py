@@ -14,7 +14,7 @@ from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel
+@kernel(inlined=False)
 def begin_periods(states, task, lanes, end_times):
     """Forget the peak forces of the last control period, and write when the next one ends, `end_times` (lanes,) [s].
 
@@ -30,7 +30,7 @@ def begin_periods(states, task, lanes, end_times):
         end_times[lane] = min(end, latched_at + task.postlock_window if latched_at == latched_at else task.deadline)
 
 
-@kernel(single_caller=True)
+@kernel
 def loop_torque(model, state, motor, action, rate_error, before):
     """Torque that the drive's rate loop asks of the motor [N m]: within the limit, and filtered.
 
@@ -41,7 +41,7 @@ def loop_torque(model, state, motor, action, rate_error, before):
     return before + motor.rate_response * (min(max(torque, -motor.torque_limit), motor.torque_limit) - before)
 
 
-@kernel(single_caller=True)
+@kernel
 def set_torque(state, motor, torque):
     """Set the torque that a motor reaches of the one asked for until the next sample, by its lag and rate limit."""
     driven = state.joints[motor.joint]
@@ -54,7 +54,7 @@ def set_torque(state, motor, torque):
         state.clock[0].acceleration_current = 0
 
 
-@kernel
+@kernel(inlined=False)
 def begin_samples(models, states, task, lanes, actions, rate_errors, loop_torques, end_times, sample_ends):
     """Set the motor torques, and write until when the drives hold them, `sample_ends` (lanes,) [s].
 
@@ -79,7 +79,7 @@ def begin_samples(models, states, task, lanes, actions, rate_errors, loop_torque
         sample_ends[lane] = end if end < end_times[lane] - 1e-6 * task.sample_period else end_times[lane]
 
 
-@kernel
+@kernel(inlined=False)
 def end_periods(models, states, task, channels, prices, lanes, accounts, terms, rewards, observations, terminated):
     """Charge and observe a period that has ended.
 
@@ -101,7 +101,7 @@ def end_periods(models, states, task, channels, prices, lanes, accounts, terms, 
         terminated[lane] = missed_deadline(state, task) or over
 
 
-@kernel
+@kernel(inlined=False)
 def observe_lanes(models, states, task, channels, lanes, observations):
     """Write the observation of the present state, `observations` (lanes, measured) float32."""
     for lane in lanes:

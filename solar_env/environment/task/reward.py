@@ -131,7 +131,7 @@ class Reward:
             )
 
 
-@kernel(single_caller=True)
+@kernel
 def distance_to_lock(model, state):
     """Mean distance of the joints to their locks, in lock angles, beyond which it counts as 0."""
     total = 0.0
@@ -140,7 +140,7 @@ def distance_to_lock(model, state):
     return total / state.joints.size
 
 
-@kernel(inner=True)
+@kernel
 def reading(code, model, state, task):
     """The present reading of a figure, in its unit."""
     latched = state.clock[0].latched_joints > 0
@@ -166,7 +166,7 @@ def reading(code, model, state, task):
     return total
 
 
-@kernel(inlined=True)
+@kernel
 def cost(price, figure):
     """The cost of a figure at a weight of 1, in the price's form."""
     if price.form == BOUNDED:
@@ -174,7 +174,7 @@ def cost(price, figure):
     return math.nan
 
 
-@kernel(single_caller=True)
+@kernel
 def charge(model, state, task, prices, account, terms):
     """Write to `terms` (terms,) minus what a period has cost, bring the account up to date, and return the sum.
 

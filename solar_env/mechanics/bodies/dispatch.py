@@ -9,14 +9,14 @@ from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inlined=True)
+@kernel
 def _hold(body, a):
     """Set the body's accelerations to zero."""
     for i in range(body.offset, body.offset + body.coordinates):
         a[i] = 0.0
 
 
-@kernel(inner=True)
+@kernel
 def solve_body(body, constants, q, v, force, a, with_velocity):
     """Write to `a` the accelerations of a body alone under a generalized `force`; returns its own multiplier.
 
@@ -31,7 +31,7 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
     return natural_coordinates.solve_body(body, q, v, force, a, with_velocity)
 
 
-@kernel(inner=True)
+@kernel
 def solve_free(body, constants, force, a):
     """Write to `a` the body's M^-1 force: its accelerations if its own constraint did not act."""
     if body.fixed:
@@ -42,7 +42,7 @@ def solve_free(body, constants, force, a):
         natural_coordinates.solve_mass(body, force, a)
 
 
-@kernel(inlined=True)
+@kernel
 def add_mass_product(body, constants, a, out):
     """Add the body's M a to `out` (n,)."""
     if body.fixed:
@@ -53,7 +53,7 @@ def add_mass_product(body, constants, a, out):
         natural_coordinates.add_mass_product(body, a, out)
 
 
-@kernel(inner=True)
+@kernel
 def add_mass_matrix(body, constants, elimination, matrix):
     """Add the body's mass matrix to `matrix`, which lies in a profile."""
     if body.fixed:
@@ -64,7 +64,7 @@ def add_mass_matrix(body, constants, elimination, matrix):
         natural_coordinates.add_body_matrix(body, 1.0, 0.0, elimination, matrix)
 
 
-@kernel(inlined=True)
+@kernel
 def kinetic_energy(body, constants, v):
     """Kinetic energy [J] of the body."""
     if body.fixed:
@@ -74,7 +74,7 @@ def kinetic_energy(body, constants, v):
     return natural_coordinates.kinetic_energy(body, v)
 
 
-@kernel
+@kernel(inlined=False)
 def elastic_energy(bodies, q):
     """Strain energy [J] of all bodies."""
     total = 0.0
@@ -84,7 +84,7 @@ def elastic_energy(bodies, q):
     return total
 
 
-@kernel(inlined=True)
+@kernel
 def add_internal_forces(model, q, v, force, element_table):
     """Add the internal forces of all bodies to `force` (n,); returns the power [W] that their damping takes."""
     # Without beams the call alone would take several percent of an evaluation.
@@ -93,7 +93,7 @@ def add_internal_forces(model, q, v, force, element_table):
     return forces.add_elastic_forces(model.cable_elements, q, v, force, element_table)
 
 
-@kernel(inlined=True)
+@kernel
 def project_bodies(bodies, q, v):
     """Return every body to its own constraint, and its velocity to the rate's, by the least change in its mass."""
     for b in range(bodies.size):

@@ -43,7 +43,7 @@ def place_row(row: np.void, axis: int) -> dict[int, float]:
     return entries
 
 
-@kernel(inlined=True)
+@kernel
 def place(marker, x):
     """Place [m] from coordinates, or its rate [m/s] from velocities."""
     i, k = marker.i1, marker.i2
@@ -53,14 +53,14 @@ def place(marker, x):
     )
 
 
-@kernel(inlined=True)
+@kernel
 def direction(marker, x):
     """Direction vector from coordinates, or its rate from velocities."""
     i, k = marker.i1, marker.i2
     return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
 
 
-@kernel(inlined=True)
+@kernel
 def spin(marker, q, v):
     """Angular velocity [rad/s] of the direction."""
     dx, dy = direction(marker, q)
@@ -68,14 +68,14 @@ def spin(marker, q, v):
     return (dx * uy - dy * ux) / (dx * dx + dy * dy)
 
 
-@kernel(inlined=True)
+@kernel
 def vector_angle(marker, q, x, y):
     """Angle [rad] of a vector, counted from the marker's direction."""
     dx, dy = direction(marker, q)
     return math.atan2(dx * y - dy * x, dx * x + dy * y)
 
 
-@kernel(inlined=True)
+@kernel
 def add_point_force(marker, fx, fy, force):
     """Add to `force` (n,) the generalized force of a force [N] at the marker's place."""
     i, k = marker.i1, marker.i2
@@ -85,7 +85,7 @@ def add_point_force(marker, fx, fy, force):
     force[k + 1] += marker.a2 * fy - marker.b2 * fx
 
 
-@kernel(inlined=True)
+@kernel
 def add_torque(marker, q, torque, force):
     """Add to `force` (n,) the generalized force of a torque [N m]: times the gradient of the direction's angle."""
     dx, dy = direction(marker, q)
@@ -97,14 +97,14 @@ def add_torque(marker, q, torque, force):
     force[k + 1] += scale * dx
 
 
-@kernel
+@kernel(inlined=False)
 def angle_hessian(dx, dy):
     """Entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
     fourth = (dx * dx + dy * dy) ** 2
     return 2.0 * dx * dy / fourth, (dy * dy - dx * dx) / fourth
 
 
-@kernel(inner=True)
+@kernel
 def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
     """Fill the slopes of a marker's motion by its four coordinates, in columns 4 * side and following.
 
@@ -128,7 +128,7 @@ def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
     spin[k], spin[k + 1], spin[k + 2], spin[k + 3] = marker.c1 * sx, marker.c1 * sy, sx, sy
 
 
-@kernel(inner=True)
+@kernel
 def subtract_hessian(marker, q, torque, elimination, matrix):
     """Subtract torque * Hessian of the direction's angle from `matrix`; that of the place vanishes."""
     dx, dy = direction(marker, q)

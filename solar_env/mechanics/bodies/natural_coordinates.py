@@ -86,7 +86,7 @@ def inverse_mass_parameters(m11: float, m22: float, m12: float, n12: float) -> t
     return m22 / determinant, m11 / determinant, -m12 / determinant, -n12 / determinant
 
 
-@kernel(inlined=True)
+@kernel
 def add_mass_product(body, a, out):
     """Add the body's M a to `out` (n,)."""
     k = body.offset
@@ -97,7 +97,7 @@ def add_mass_product(body, a, out):
     out[k + 3] += body.m22 * by + body.m12 * ay - body.n12 * ax
 
 
-@kernel(inner=True)
+@kernel
 def add_body_matrix(body, weight, multiplier, elimination, matrix):
     """Add weight * (mass matrix of a rigid body) + multiplier * (second derivative of its length constraint)."""
     k = body.offset
@@ -113,7 +113,7 @@ def add_body_matrix(body, weight, multiplier, elimination, matrix):
         add_entry(elimination, matrix, j, k + 1 - axis, -weight * turn * body.n12)
 
 
-@kernel(inlined=True)
+@kernel
 def solve_mass(body, force, a):
     """Write the body's M^-1 force into `a` (n,): its acceleration if its length were free."""
     k = body.offset
@@ -124,7 +124,7 @@ def solve_mass(body, force, a):
     a[k + 3] = body.w22 * gy + body.w12 * fy - body.x12 * fx
 
 
-@kernel(inlined=True)
+@kernel
 def solve_body(body, q, v, force, a, with_velocity):
     """Acceleration `a` of one body under a generalized `force` that keeps its length; returns its multiplier.
 
@@ -152,7 +152,7 @@ def solve_body(body, q, v, force, a, with_velocity):
     return multiplier
 
 
-@kernel(inlined=True)
+@kernel
 def project_length(body, q, v):
     """Return the body to its length, and its velocity to rigid motion, by the smallest change in the mass metric."""
     k = body.offset
@@ -174,14 +174,14 @@ def project_length(body, q, v):
     v[k + 3] -= rate * by
 
 
-@kernel(inlined=True)
+@kernel
 def stretch_along(body, q, x, y):
     """Scalar product of a difference (x, y) of the base points' motions and the vector between these."""
     k = body.offset
     return (q[k + 2] - q[k]) * x + (q[k + 3] - q[k + 1]) * y
 
 
-@kernel(inlined=True)
+@kernel
 def length_compliance(body, q):
     """Acceleration of the length constraint (d.d - length^2) / 2 by a unit of its multiplier."""
     k = body.offset
@@ -189,7 +189,7 @@ def length_compliance(body, q):
     return (body.w11 + body.w22 - 2.0 * body.w12) * (dx * dx + dy * dy)
 
 
-@kernel(inlined=True)
+@kernel
 def add_length_force(body, q, multiplier, out):
     """Add the force of the length constraint's `multiplier` to `out` (n,); returns the constraint's violation."""
     k = body.offset
@@ -201,7 +201,7 @@ def add_length_force(body, q, multiplier, out):
     return 0.5 * (dx * dx + dy * dy - body.length * body.length)
 
 
-@kernel(inner=True)
+@kernel
 def add_length_border(body, q, row, elimination, matrix):
     """Add the gradient of the length constraint to row and column `row` of `matrix`."""
     k = body.offset
@@ -213,7 +213,7 @@ def add_length_border(body, q, row, elimination, matrix):
         add_entry(elimination, matrix, k + 2 + axis, row, d)
 
 
-@kernel
+@kernel(inlined=False)
 def kinetic_energy(body, v):
     """Kinetic energy [J] of the body."""
     k = body.offset

@@ -23,7 +23,7 @@ from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inlined=True)
+@kernel
 def view_joint(model, state, j):
     """Return the joint `j` as a controller may observe it."""
     joint = model.joints[j]

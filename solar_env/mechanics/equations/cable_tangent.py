@@ -20,7 +20,7 @@ from solar_env.mechanics.numerics.profile import add_entry
 _INNER, _OUTER, _TURN, _LENGTH = range(4)
 
 
-@kernel(inner=True)
+@kernel
 def add_cable_slopes(model, cable, q, v, tangent, by_q):
     """Subtract a loop's dQ/dq from the stiffness, whose part by torques on the joints' slopes is there already."""
     joints, markers, elimination, loads = model.joints, model.markers, model.elimination, tangent.loads
@@ -49,7 +49,7 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
                 add_entry(elimination, by_q, index[r], index[c], -value)
 
 
-@kernel(inner=True)
+@kernel
 def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
     """Let the wheels' gradients count from the chord, fill its own, and take the Hessians there."""
     joints, markers, elimination = model.joints, model.markers, model.elimination

@@ -13,7 +13,7 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import cholesky_factor, cholesky_solve
 
 
-@kernel(inlined=True)
+@kernel
 def add_row(model, work, r, weight, x):
     """Add `weight` times constraint row `r` to `x` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
@@ -21,7 +21,7 @@ def add_row(model, work, r, weight, x):
         x[coordinate[r, k]] += weight * value[r, k]
 
 
-@kernel(inner=True)
+@kernel
 def row_product(model, work, r, x):
     """Constraint row `r` times `x` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
@@ -31,7 +31,7 @@ def row_product(model, work, r, x):
     return total
 
 
-@kernel(inner=True)
+@kernel
 def fill_column(model, work, r):
     """Inverse mass matrix times constraint row `r`, into its column, with the stretch of lengths by it."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
@@ -54,7 +54,7 @@ def fill_column(model, work, r):
                     work.stretch[r, side, axis] = column[i + 2] - column[i]
 
 
-@kernel(inlined=True)
+@kernel
 def fill_columns(model, work, driven):
     """Fill the columns of the driven rows, which change, or of all others, with their products."""
     m = work.columns.shape[0]
@@ -67,7 +67,7 @@ def fill_columns(model, work, driven):
                 work.free_schur[r, s] = work.free_schur[s, r] = row_product(model, work, s, work.columns[r])
 
 
-@kernel(inlined=True)
+@kernel
 def drive_angle(drive, time):
     """Prescribed angle [rad], rate and angular acceleration of a drive."""
     span = drive.ramp_time
@@ -80,7 +80,7 @@ def drive_angle(drive, time):
     return drive.angle + scale * angle, scale * rate, scale * (1.0 - math.cos(phase))
 
 
-@kernel(inlined=True)
+@kernel
 def set_drive_rows(model, time, row_value):
     """Write the rows of prescribed rotations: the body's direction stays parallel to (cos psi, sin psi)."""
     for k in range(model.drives.size):
@@ -91,7 +91,7 @@ def set_drive_rows(model, time, row_value):
         row[0], row[1], row[2], row[3] = -s * marker.c1, c * marker.c1, -s, c
 
 
-@kernel(inner=True)
+@kernel
 def drive_motion(model, drive, time, q, v):
     """Explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
     marker = model.markers[drive.marker]
@@ -104,7 +104,7 @@ def drive_motion(model, drive, time, q, v):
     return rate, bias
 
 
-@kernel(inner=True)
+@kernel
 def build_schur(model, q, work):
     """Compliance of the linear constraints, factored; False if they are redundant.
 
@@ -132,7 +132,7 @@ def build_schur(model, q, work):
     return cholesky_factor(schur, m)
 
 
-@kernel(inner=True)
+@kernel
 def add_columns(model, work, multipliers, x):
     """Subtract the columns times `multipliers` from `x` (n,), for bodies without a constraint of their own."""
     bodies, columns = model.bodies, work.columns
@@ -145,7 +145,7 @@ def add_columns(model, work, multipliers, x):
                     x[i] -= multipliers[r] * columns[r, i]
 
 
-@kernel(inner=True)
+@kernel
 def subtract_response(model, q, work, multipliers, x):
     """Subtract from `x` (n,) the accelerations by `multipliers` of the linear constraints, lengths kept."""
     bodies, row_force, solution = model.bodies, work.row_force, work.solution
@@ -162,7 +162,7 @@ def subtract_response(model, q, work, multipliers, x):
     add_columns(model, work, multipliers, x)
 
 
-@kernel(inlined=True)
+@kernel
 def prepare_response(model, q, time, work):
     """Fill the compliance of the linear constraints at a configuration; False if they are redundant."""
     if model.drives.size > 0:
@@ -170,7 +170,7 @@ def prepare_response(model, q, time, work):
     return work.schur.shape[0] == 0 or build_schur(model, q, work)
 
 
-@kernel(inlined=True)
+@kernel
 def constraint_drift(model, q, time, work):
     """Greatest violation [m] of the linear constraints; leaves it by row in `work.residual`."""
     worst = 0.0
@@ -182,7 +182,7 @@ def constraint_drift(model, q, time, work):
     return worst
 
 
-@kernel(inlined=True)
+@kernel
 def velocity_drift(model, q, v, time, work):
     """Greatest violation [m/s] of the linear constraints' rates; leaves it by row in `work.residual`."""
     residual = work.residual
@@ -200,7 +200,7 @@ def velocity_drift(model, q, v, time, work):
     return worst
 
 
-@kernel(inlined=True)
+@kernel
 def project(model, q, v, time, work):
     """Return positions and velocities to the constraints by the smallest change in the mass metric.
 
@@ -212,7 +212,7 @@ def project(model, q, v, time, work):
         project_linear(model, q, v, time, work)
 
 
-@kernel(inner=True)
+@kernel
 def project_linear(model, q, v, time, work):
     """`project` for the linear constraints."""
     residual = work.residual

@@ -38,20 +38,20 @@ def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
     )
 
 
-@kernel
+@kernel(inlined=False)
 def fill_mass(model, matrix):
     """Add the bodies' mass matrices to `matrix`."""
     for b in range(model.bodies.size):
         add_mass_matrix(model.bodies[b], model.body_constants, model.elimination, matrix)
 
 
-@kernel
+@kernel(inlined=False)
 def linearize_forces(model, joint_states, q, v, newton):
     """Stiffness and damping at a configuration for which the workspace of `newton.tangent` is current."""
     fill_tangents(model, joint_states, q, v, newton.tangent, newton.stiffness, newton.damping)
 
 
-@kernel(inner=True)
+@kernel
 def _weighted_sum(mass, damping, stiffness, weights, out):
     """Write the weighted sum of three arrays (blocks, 16) to a fourth."""
     a, b, c = weights
@@ -60,7 +60,7 @@ def _weighted_sum(mass, damping, stiffness, weights, out):
             out[i, k] = a * mass[i, k] + b * damping[i, k] + c * stiffness[i, k]
 
 
-@kernel
+@kernel(inlined=False)
 def assemble(model, q, multipliers, row_value, newton, weights):
     """Put the matrix together, with weights of mass, damping and stiffness; multipliers of lengths add stiffness."""
     elimination, constraints, matrix = model.elimination, model.constraints, newton.matrix

@@ -106,7 +106,7 @@ def make_workspace(model: Model, state: State) -> Workspace:
     return work
 
 
-@kernel(inner=True)
+@kernel
 def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     """Correct the accelerations for the linear constraints; False if they are redundant."""
     bodies, force = model.bodies, work.force
@@ -132,7 +132,7 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def acceleration_response(model, q, work, force, a):
     """Write to `a` (n,) what a generalized `force` (n,) adds to the accelerations."""
     m = work.schur.shape[0]
@@ -146,7 +146,7 @@ def acceleration_response(model, q, work, force, a):
     subtract_response(model, q, work, work.residual, a)
 
 
-@kernel(inlined=True)
+@kernel
 def applied_forces(model, joint_states, q, v, work):
     """Fill `work` with all generalized forces but the constraints', with loads and powers."""
     force, power, loads = work.force, work.power, model.loads
@@ -161,7 +161,7 @@ def applied_forces(model, joint_states, q, v, work):
     joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
-@kernel(inner=True)
+@kernel
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Accelerations (n,) at a configuration, with loads and powers in `work`; False if constraints are redundant.
 
@@ -177,13 +177,13 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
     return apply_linear_constraints(model, q, v, time, work, a, multipliers)
 
 
-@kernel
+@kernel(inlined=False)
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """`inlined_accelerations` as a call: inlined at every place it would take long to compile."""
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
-@kernel(inner=True)
+@kernel
 def store_constraint_loads(model, multipliers, time, q, work):
     """Enter the multipliers of ideal joints as joint forces, and add the drives' power."""
     for j in range(model.joints.size):
@@ -204,14 +204,14 @@ def store_constraint_loads(model, multipliers, time, q, work):
     work.power[work.power.size + EXTERNAL_WORK] += drive_power
 
 
-@kernel
+@kernel(inlined=False)
 def add_mass_products(model, a, out):
     """Add M a to `out` (n,); nothing for fixed bodies."""
     for body in model.bodies:
         add_mass_product(body, model.body_constants, a, out)
 
 
-@kernel
+@kernel(inlined=False)
 def stored_energies(model, joint_states, q, v, loads, energies):
     """Fill the stored energies [J] at a configuration whose `loads` are current."""
     energies[:] = 0.0
@@ -235,7 +235,7 @@ def stored_energies(model, joint_states, q, v, loads, energies):
         energies[CABLE] += energy
 
 
-@kernel(inlined=True)
+@kernel(inlined=False)
 def normal_inverse_mass(model, q, v, j, work):
     """Inverse effective mass [1/kg] of joint `j` along its line of centres: acceleration per unit normal force."""
     joint = model.joints[j]

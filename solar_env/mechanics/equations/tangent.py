@@ -64,7 +64,7 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
     )
 
 
-@kernel(inner=True)
+@kernel
 def local_map(joint, markers, q, v, index, b, rate_slope):
     """Fill the joint's 8 coordinate indices, B (4, 8) and dx'/dq (4, 8)."""
     b[:] = 0.0
@@ -78,7 +78,7 @@ def local_map(joint, markers, q, v, index, b, rate_slope):
             rate_slope[axis, c] *= -1.0
 
 
-@kernel(inner=True)
+@kernel
 def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_speed, stiffness, damping):
     """Add the slopes of (force x, force y, outboard torque, inboard torque) by the local coordinates and their rates.
 
@@ -130,7 +130,7 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
     return tangential, lever
 
 
-@kernel
+@kernel(inlined=False)
 def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
     """Fill the matrices (`profile.py`) -dQ/dq, the stiffness, and -dQ/dv, the damping.
 

@@ -19,7 +19,7 @@ _TOLERANCE = 1e-6
 _MOST_CUTS = 20
 
 
-@kernel(inner=True)
+@kernel
 def event_function(model, state, settings, arrays, j, kind, h, share):
     """Depth [m], or angle past the lock or into the stop [rad], that rises through zero at an event of joint `j`."""
     if kind == CONTACT_START:
@@ -31,7 +31,7 @@ def event_function(model, state, settings, arrays, j, kind, h, share):
     return depth
 
 
-@kernel(inner=True)
+@kernel
 def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high):
     """Share of the step at which the event function rises through zero: Illinois iteration, ending on its far side."""
     for _ in range(60):
@@ -53,7 +53,7 @@ def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high)
     return high
 
 
-@kernel(inner=True)
+@kernel
 def first_rise(model, state, settings, arrays, j, kind, h):
     """Share of the step at which the event function first rises through zero; 2 if it does not."""
     low, f_low = 0.0, event_function(model, state, settings, arrays, j, kind, h, 0.0)
@@ -68,7 +68,7 @@ def first_rise(model, state, settings, arrays, j, kind, h):
     return 2.0
 
 
-@kernel(inner=True)
+@kernel
 def first_event(model, state, settings, arrays, h):
     """Earliest contact start, latching or stop engagement inside the step `h` [s]: (share, joint, kind)."""
     share, which, what = 1.0, np.int64(-1), NO_EVENT
@@ -90,14 +90,14 @@ def first_event(model, state, settings, arrays, h):
     return share, which, what
 
 
-@kernel(inner=True)
+@kernel
 def is_passed(model, state, settings, arrays, j, kind, h, sign):
     """Whether the end of the step `h` [s] lies beyond an event by more than the tolerance, or before it (sign -1)."""
     tolerance = _TOLERANCE * (model.joints[j].clearance if kind == CONTACT_START else 1.0)
     return sign * event_function(model, state, settings, arrays, j, kind, h, 1.0) > tolerance
 
 
-@kernel(inner=True)
+@kernel
 def land(model, state, settings, arrays, h, share, joint, kind):
     """Solve a step of size `h` [s] again up to an event at a share of it: size, joint and kind of event at its end.
 
@@ -122,7 +122,7 @@ def land(model, state, settings, arrays, h, share, joint, kind):
     return h, joint, kind
 
 
-@kernel(inner=True)
+@kernel(inlined=False)
 def begin_event(model, state, settings, arrays, j, kind, time, speed):
     """Latch joint `j`, engage its stop, or start its contact, at a `time` [s] and an approach `speed` [m/s]."""
     joint, joint_state = model.joints[j], state.joints[j]
@@ -142,7 +142,7 @@ def begin_event(model, state, settings, arrays, j, kind, time, speed):
         _, joint_state.contact_duration = impact_scales(joint, inverse_mass, joint_state.impact_speed)
 
 
-@kernel(single_caller=True)
+@kernel
 def begin_passed_events(model, state, settings, arrays, start, h):
     """Begin the events that an accepted step has passed, at times between its ends, where steps do not end on them."""
     for j in range(model.joints.size):

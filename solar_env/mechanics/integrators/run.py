@@ -57,7 +57,7 @@ _SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
 _MOST_EVENTS_AT_ONCE = 1000
 
 
-@kernel(inner=True)
+@kernel
 def record_until(model, state, settings, arrays, recorder, h, end):
     """Take the samples that fall inside the part up to `end` [s] of a step of size `h` [s]."""
     start = state.clock[0].time
@@ -66,7 +66,7 @@ def record_until(model, state, settings, arrays, recorder, h, end):
         sample_of(settings)(model, state, settings, arrays, recorder, h, share)
 
 
-@kernel(single_caller=True)
+@kernel(inlined=False)
 def begin_call(model, state, settings, recorder, arrays):
     """Prepare the arrays of a call and record its start; a status code."""
     arrays.trial[0].at_once = 0
@@ -77,7 +77,7 @@ def begin_call(model, state, settings, recorder, arrays):
     return m.DONE
 
 
-@kernel(single_caller=True)
+@kernel
 def choose_step(model, state, settings, arrays, end_time):
     """Fill the trial with the step to take: what accuracy, impacts, the method and the end of the call allow."""
     clock, trial = state.clock[0], arrays.trial[0]
@@ -89,7 +89,7 @@ def choose_step(model, state, settings, arrays, end_time):
     trial.step = remaining if trial.last else trial.wanted
 
 
-@kernel(single_caller=True)
+@kernel
 def reject(model, state, settings, arrays, h, error):
     """Shorten the next step after one of size `h` [s] that is refused; a status code."""
     clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
@@ -108,7 +108,7 @@ def reject(model, state, settings, arrays, h, error):
     return m.DONE
 
 
-@kernel(single_caller=True)
+@kernel
 def choose_next(model, state, settings, arrays):
     """Set the next step's size after an accepted one."""
     clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
@@ -121,7 +121,7 @@ def choose_next(model, state, settings, arrays):
     adapt_of(settings)(model, state, settings, arrays, True)
 
 
-@kernel(single_caller=True)
+@kernel
 def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
     """Book an accepted step that began at `start` [s]: wear, force maxima, and contacts and stops that have opened.
 
@@ -143,7 +143,7 @@ def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
                 end_contact(state, j, parting_time(start, time, motion.start_depth, motion.depth), recorder)
 
 
-@kernel(single_caller=True)
+@kernel
 def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
     """Move to a share of the step `h` [s] in hand, where an event may begin; False if the constraints are singular."""
     clock, start = state.clock[0], state.clock[0].time
@@ -174,7 +174,7 @@ def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
     return True
 
 
-@kernel(single_caller=True)
+@kernel
 def begin_at_once(model, state, settings, arrays, joint, kind):
     """Begin an event of the accepted state, without a step; a status code."""
     trial = arrays.trial[0]
@@ -189,7 +189,7 @@ def begin_at_once(model, state, settings, arrays, joint, kind):
     return m.DONE
 
 
-@kernel(single_caller=True)
+@kernel
 def check_state(model, state, arrays):
     """Status of an accepted state: finite, contact depths and joint angles within what the model describes."""
     for i in range(state.q.size):
@@ -203,7 +203,7 @@ def check_state(model, state, arrays):
     return m.DONE
 
 
-@kernel(single_caller=True)
+@kernel
 def take_step(model, state, settings, recorder, end_time, arrays):
     """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
     trial = arrays.trial[0]
@@ -232,7 +232,7 @@ def take_step(model, state, settings, recorder, end_time, arrays):
     return check_state(model, state, arrays)
 
 
-@kernel(single_caller=True)
+@kernel
 def advance(model, state, settings, recorder, end_time, arrays):
     """Advance `state` in place to `end_time` [s], by at most `settings.max_steps` steps; returns a status code.
 
@@ -250,7 +250,7 @@ def advance(model, state, settings, recorder, end_time, arrays):
     return status
 
 
-@kernel
+@kernel(inlined=False)
 def advance_lanes(models, states, settings, recorder, queue, counter, end_times, statuses, arrays):
     """Advance lanes one after the other, next to other threads that do the same.
 

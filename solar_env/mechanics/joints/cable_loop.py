@@ -19,7 +19,7 @@ from solar_env.mechanics.bodies.markers import add_point_force, add_torque, plac
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inlined=True)
+@kernel
 def cable_torque(cable, stretch):
     """Torque of a closed cable loop on its outer joint, its slope, and its energy, at a wheel-angle mismatch [rad].
 
@@ -37,7 +37,7 @@ def cable_torque(cable, stretch):
     return math.copysign(torque, stretch), 0.5 * cable.stiffness, energy
 
 
-@kernel(inlined=True)
+@kernel
 def strand(cable, elongation):
     """Tension of a strand [N], its stiffness, and its energy beyond that of the preload, by its elongation [m]."""
     stiffness = 0.5 * cable.stiffness / (cable.wheel_radius * cable.wheel_radius)
@@ -48,13 +48,13 @@ def strand(cable, elongation):
     return tension, stiffness, (preload + 0.5 * stiffness * elongation) * elongation
 
 
-@kernel(inlined=True)
+@kernel
 def strand_length(offset, distance):
     """Length of a strand [m] but for a constant, by what the radii differ (or add up to) and the wheels' distance."""
     return math.sqrt(distance * distance - offset * offset) + offset * math.asin(offset / distance)
 
 
-@kernel(inlined=True)
+@kernel
 def belt_loads(cable, stretch, distance):
     """Torque on the outer wheel and pull on the wheels' centres, with slopes and energy.
 
@@ -82,7 +82,7 @@ def belt_loads(cable, stretch, distance):
     return torque, pull, energy1 + energy2, radius * radius * (k1 + k2), cross, by_distance
 
 
-@kernel(inlined=True)
+@kernel
 def chord(cable, markers, q):
     """Vector [m] along which the belt runs, from the inner to the outer joint."""
     ax, ay = place(markers[cable.first], q)
@@ -90,7 +90,7 @@ def chord(cable, markers, q):
     return bx - ax, by - ay
 
 
-@kernel(inlined=True)
+@kernel
 def wheel_motion(cable, joints, markers, q, inner, outer):
     """Mismatch [rad] of the wheels' angles against the chord, and the chord's length [m], at the joints' angles."""
     length = 0.0
@@ -104,7 +104,7 @@ def wheel_motion(cable, joints, markers, q, inner, outer):
     return cable.wheel_ratio * inner - outer, length
 
 
-@kernel(inlined=True)
+@kernel
 def inner_wheel_rate(cable, joints, markers, q, v, rate):
     """Rate [rad/s] of the inner wheel's angle, at that of its joint."""
     if cable.chord_sense != 0:
@@ -117,13 +117,13 @@ def inner_wheel_rate(cable, joints, markers, q, v, rate):
     return rate
 
 
-@kernel(inlined=True)
+@kernel
 def end_torques(cable, joints, torque):
     """Torques [N m] of the wheels on what they turn against, inner and outer, by the loop's on its outer joint."""
     return -cable.torque_ratio * torque * joints[cable.joint_a].sign, -torque * joints[cable.joint_b].sign
 
 
-@kernel(inlined=True)
+@kernel
 def chord_force(cable, markers, q, moment, pull):
     """Force [N] on a chord's last end by a moment [N m] on the chord and a pull [N] along it; opposite at its first."""
     x, y = chord(cable, markers, q)
@@ -132,7 +132,7 @@ def chord_force(cable, markers, q, moment, pull):
     return -moment * y / square - along * x, moment * x / square - along * y
 
 
-@kernel(inlined=True)
+@kernel
 def move_to_chord(cable, joints, markers, q, torque, pull, force):
     """Turn the torques on the slopes of a carrier's ends, as of the joints, into forces at the chord's ends.
 

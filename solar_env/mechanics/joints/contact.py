@@ -6,9 +6,9 @@ from typing import NamedTuple
 from solar_env.mechanics.joints.laws import MATERIAL, PLACES, PowerLaw
 from solar_env.mechanics.numerics.jit import kernel
 
-_power_force = kernel(PowerLaw.force, inlined=True)
-_power_energy = kernel(PowerLaw.energy)
-_power_scales = kernel(PowerLaw.impact_scales)
+_power_force = kernel(PowerLaw.force)
+_power_energy = kernel(PowerLaw.energy, inlined=False)
+_power_scales = kernel(PowerLaw.impact_scales, inlined=False)
 
 
 class ContactMotion(NamedTuple):
@@ -37,13 +37,13 @@ class ContactMotion(NamedTuple):
     sliding_speed: float
 
 
-@kernel(inlined=True)
+@kernel
 def sliding_share(joint, depth):
     """Sliding speed over the slip or, where the bodies' rotation is left out, over the centres' speed."""
     return depth / (joint.clearance + depth) if joint.sliding == PLACES and depth > 0.0 else 1.0
 
 
-@kernel(inlined=True)
+@kernel
 def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
     """Motion of a journal whose centre lies (ex, ey) [m] off its bearing's and moves at (ux, uy) [m/s]."""
     radius = math.sqrt(ex * ex + ey * ey)
@@ -66,7 +66,7 @@ def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
     )
 
 
-@kernel(inlined=True)
+@kernel
 def normal_force(joint, depth, rate, impact_speed):
     """Normal force [N], compressive positive, its elastic part, and its slopes by depth [N/m] and rate [N s/m].
 
@@ -77,19 +77,19 @@ def normal_force(joint, depth, rate, impact_speed):
     return _power_force(joint.contact, depth, rate, impact_speed)
 
 
-@kernel
+@kernel(inlined=False)
 def contact_energy(joint, depth):
     """Energy [J] that a contact stores at a depth [m]."""
     return _power_energy(joint.contact, depth) if depth > 0.0 else 0.0
 
 
-@kernel
+@kernel(inlined=False)
 def impact_scales(joint, inverse_mass, impact_speed):
     """Greatest depth [m] and duration [s] of an impact without damping, at an inverse effective mass [1/kg]."""
     return _power_scales(joint.contact, inverse_mass, impact_speed)
 
 
-@kernel(inlined=True)
+@kernel
 def friction_share(joint, sliding_speed):
     """Share of the Coulomb force at a sliding speed [m/s], with its sign, and its slope by the speed [s/m].
 

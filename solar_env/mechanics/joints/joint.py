@@ -34,7 +34,7 @@ from solar_env.mechanics.joints.torques import (
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inlined=True)
+@kernel
 def relative(joint, markers, q):
     """Journal centre minus bearing centre [m] from coordinates, or its rate [m/s] from velocities."""
     ox, oy = place(markers[joint.outboard], q)
@@ -42,7 +42,7 @@ def relative(joint, markers, q):
     return ox - ix, oy - iy
 
 
-@kernel(inlined=True)
+@kernel
 def penetration(joint, markers, q, v):
     """Penetration depth [m], negative for a gap, and its rate [m/s]."""
     ex, ey = relative(joint, markers, q)
@@ -53,7 +53,7 @@ def penetration(joint, markers, q, v):
     return radius - joint.clearance, (ex * ux + ey * uy) / radius
 
 
-@kernel(inlined=True)
+@kernel
 def joint_motion(joint, markers, q, v):
     """Joint angle [rad], its rate, and the spins of the outboard and the inboard body [rad/s]."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
@@ -69,7 +69,7 @@ def joint_motion(joint, markers, q, v):
     return angle, joint.sign * (outboard_spin - inboard_spin), outboard_spin, inboard_spin
 
 
-@kernel(inner=True)
+@kernel
 def joint_torques(model, joint_states, q, v, loads, force, power):
     """Fill angles, rates, spins and the torques of every joint; their powers too.
 
@@ -100,7 +100,7 @@ def joint_torques(model, joint_states, q, v, loads, force, power):
             move_to_chord(cable, joints, markers, q, torque, pull, force)
 
 
-@kernel(inlined=True)
+@kernel
 def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
     """Evaluate every joint: fill `loads` and `power`, add the generalized forces to `force`.
 

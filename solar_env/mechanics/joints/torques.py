@@ -12,7 +12,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inlined=True)
+@kernel
 def one_sided_stop(joint, depth, closing_rate):
     """Resisting torque of one stop face, its elastic part, and its slopes by depth and by closing rate.
 
@@ -31,7 +31,7 @@ def one_sided_stop(joint, depth, closing_rate):
     return torque, elastic, slope, damping
 
 
-@kernel(inlined=True)
+@kernel
 def stop_depth(joint, latched, angle):
     """Depth [rad] in latch or stow stop, negative outside, and the sign of the torque that resists it."""
     below_stow = joint.stow_angle - joint.stop_gap - angle if joint.has_stow_stop else -math.inf
@@ -43,7 +43,7 @@ def stop_depth(joint, latched, angle):
     return below_stow, 1.0
 
 
-@kernel(inlined=True)
+@kernel
 def stop_torque(joint, joint_state, angle, rate):
     """Torque of latch and stow stop on the joint angle, its elastic part, and its slopes by angle and rate.
 
@@ -56,7 +56,7 @@ def stop_torque(joint, joint_state, angle, rate):
     return sign * torque, sign * elastic, -slope, -damping
 
 
-@kernel(inlined=True)
+@kernel
 def stop_energy(joint, joint_state, angle):
     """Elastic energy [J] of latch and stow stop."""
     depth, _ = stop_depth(joint, joint_state.latched, angle)
@@ -82,7 +82,7 @@ class HingeTorques(NamedTuple):
     by_rate: float
 
 
-@kernel(inlined=True)
+@kernel
 def hinge_torques(joint, joint_state, angle, rate):
     """Torques of all laws at a joint's angle [rad] and its rate."""
     latch, elastic, by_angle, by_rate = stop_torque(joint, joint_state, angle, rate)
@@ -96,25 +96,25 @@ def hinge_torques(joint, joint_state, angle, rate):
     )
 
 
-@kernel(inlined=True)
+@kernel
 def torque_of_motion(torques):
     """Sum of the torques that depend on the motion [N m]: of all but the motor's."""
     return torques.spring + torques.latch
 
 
-@kernel(inlined=True)
+@kernel
 def may_be_stiff(joint_state):
     """Whether a torque acts whose slopes have no bound that is known beforehand."""
     return joint_state.stop_engaged != 0
 
 
-@kernel(inlined=True)
+@kernel
 def known_stiffness(joint):
     """Greatest slope by the angle [N m/rad] of the torques that always act."""
     return joint.spring_stiffness
 
 
-@kernel(inlined=True)
+@kernel
 def enter_torques(torques, j, loads):
     """Enter the torques of joint `j` in the table of loads, without those of cable loops, which `enter_cable` adds."""
     loads[j, c.SPRING_TORQUE] = torques.spring
@@ -123,14 +123,14 @@ def enter_torques(torques, j, loads):
     loads[j, c.MOTOR_TORQUE] = torques.motor
 
 
-@kernel(inlined=True)
+@kernel
 def enter_cable(cable, torque, loads):
     """Enter the torque [N m] of a cable loop on its outer joint in the table of loads."""
     loads[cable.joint_a, c.CABLE_TORQUE] -= cable.torque_ratio * torque
     loads[cable.joint_b, c.CABLE_TORQUE] += torque
 
 
-@kernel(inlined=True)
+@kernel
 def summed_torque(loads, j):
     """Sum of the torques of all laws on joint `j` [N m], from the table of loads."""
     total = loads[j, c.FIRST_TORQUE]
@@ -139,7 +139,7 @@ def summed_torque(loads, j):
     return total
 
 
-@kernel(inlined=True)
+@kernel
 def add_torque_powers(torques, rate, weight, j, out):
     """Add `weight` times the powers of the torques of joint `j`, at a rate [rad/s], to its integrals or their rates."""
     first = m.INTEGRALS_PER_JOINT * j
@@ -147,7 +147,7 @@ def add_torque_powers(torques, rate, weight, j, out):
     out[first + m.LATCH_DISSIPATION] += weight * (torques.latch_elastic - torques.latch) * rate
 
 
-@kernel(inlined=True)
+@kernel
 def add_cable_power(cable, torque, rate, weight, out):
     """Add `weight` times a cable loop's power, at the inner wheel's rate [rad/s], to the integrals or their rates.
 
@@ -157,7 +157,7 @@ def add_cable_power(cable, torque, rate, weight, out):
     out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += weight * power
 
 
-@kernel(inlined=True)
+@kernel
 def add_torque_energies(joint, joint_state, angle, energies):
     """Add the energies [J] that the torques of a joint store at its angle [rad]."""
     stretch = joint.spring_preload_angle - angle

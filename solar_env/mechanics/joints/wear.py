@@ -10,13 +10,13 @@ import math
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inlined=True)
+@kernel
 def pressed_half_angle(depth, clearance):
     """Half angle [rad] of the arc along which a journal circle overlaps its bearing's: arccos(c / (c + depth))."""
     return math.acos(clearance / (clearance + depth))
 
 
-@kernel(inlined=True)
+@kernel
 def add_wear(depths, angle, half_angle, depth_increment_times_arc, radius):
     """Spread a wear increment over the bins that the arc angle +- half_angle covers, each by its covered share.
 

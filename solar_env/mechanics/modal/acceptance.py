@@ -21,7 +21,7 @@ from solar_env.mechanics.numerics.linear import copy_rows
 _COMPARABLE = 0.01
 
 
-@kernel(inlined=True)
+@kernel
 def rate_defect(panels, own, answers, held, d, h, group):
     """Defect of the rate of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
     defect = own.defect[group]
@@ -37,13 +37,13 @@ def rate_defect(panels, own, answers, held, d, h, group):
     return abs(defect)
 
 
-@kernel(inlined=True)
+@kernel
 def deviation(state, work, k):
     """Load at the start of the step less that of the polynomial through its stages there, without sign."""
     return abs(state.loads[k] - 1.5 * work.loads[k].stage[0] + 0.5 * work.loads[k].stage[1])
 
 
-@kernel(inlined=True)
+@kernel
 def step_error(model, state, work, settings, tables, level, h):
     """Error of a step over the tolerances.
 
@@ -77,7 +77,7 @@ def step_error(model, state, work, settings, tables, level, h):
     return error
 
 
-@kernel(single_caller=True)
+@kernel
 def move_panel(panels, own, answers, d, q, v):
     """Move the amplitudes of a panel over the step, and its ends; returns the mean power of its damping [W]."""
     total = 0.0
@@ -113,7 +113,7 @@ def move_panel(panels, own, answers, d, q, v):
     return panels.damping[d] * total
 
 
-@kernel(inlined=True)
+@kernel
 def note_extremes(model, state, work, v):
     """Keep what panels come to that is more than before: slope of an end, spin over the lowest frequency."""
     panels, extremes = model.panels, state.extremes
@@ -129,7 +129,7 @@ def note_extremes(model, state, work, v):
             extremes[1] = max(extremes[1], abs(v[body.offset + 2]) / lowest)
 
 
-@kernel
+@kernel(inlined=False)
 def commit_step(model, state, work, tables, level, h):
     """Move the workspace's coordinates from the start to the end of the solved step, and fill the motion there."""
     distribute_loads(model, state, work)
@@ -149,7 +149,7 @@ def commit_step(model, state, work, tables, level, h):
     note_extremes(model, state, work, work.v)
 
 
-@kernel(single_caller=True)
+@kernel
 def keep_loads(state, work, h):
     """Keep the loads at the end of the step and the course they have taken."""
     for k in range(work.loads.size):

@@ -38,7 +38,7 @@ from solar_env.mechanics.records.history import note_force
 _SHORT = 1e-6
 
 
-@kernel(single_caller=True)
+@kernel
 def add_integrals(model, state, work, h):
     """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages."""
     integrals = work.integrals
@@ -68,7 +68,7 @@ def add_integrals(model, state, work, h):
             add_cable_power(cable, torque, motion[WHEEL_RATE], weight, integrals)
 
 
-@kernel(inlined=True)
+@kernel
 def note_peaks(model, state, work, h, share):
     """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
     postlock = state.clock[0].latched_joints > 0
@@ -84,7 +84,7 @@ def note_peaks(model, state, work, h, share):
             note_force(own, peak, postlock)
 
 
-@kernel(single_caller=True)
+@kernel
 def panel_energies(model, body, q, v, work, energies):
     """Add the energies of a panel's amplitudes, kinetic and of strain, to which its scratch has been filled last."""
     panels, d, first, own = model.panels, body.design, body.offset + 3, work.panels[body.panel]
@@ -97,7 +97,7 @@ def panel_energies(model, body, q, v, work, energies):
             energies[m.KINETIC] += 0.5 * v[first + k] ** 2
 
 
-@kernel
+@kernel(inlined=False)
 def stored_energies(model, state, q, v, work, slot, energies):
     """Fill the stored energies [J] of the configuration that was looked at last, at a slot."""
     energies[:] = 0.0
@@ -120,7 +120,7 @@ def stored_energies(model, state, q, v, work, slot, energies):
         energies[m.CABLE] += energy
 
 
-@kernel(inlined=True)
+@kernel
 def cubic(share, x0, r0, x1, r1):
     """Value at a share of the step of the cubic through values and rates (times the step) at both ends."""
     rest = 1.0 - share
@@ -129,7 +129,7 @@ def cubic(share, x0, r0, x1, r1):
     )
 
 
-@kernel
+@kernel(inlined=False)
 def fill_load_table(model, state, work, slot, loads, table):
     """Fill the (joints, LOAD_COLUMNS) table of loads from motion at a slot and `loads`, ordered as those of a state."""
     for j in range(model.joints.size):
@@ -150,7 +150,7 @@ def fill_load_table(model, state, work, slot, loads, table):
         enter_cable(cable, torque, table)
 
 
-@kernel(inner=True)
+@kernel
 def sample_modal(model, state, settings, work, recorder, h, share):
     """Store one row at a share of the step from the present state to `work.q`.
 

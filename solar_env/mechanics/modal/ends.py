@@ -22,7 +22,7 @@ from solar_env.mechanics.modal.tables import (
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inner=True)
+@kernel
 def free_ends(panels, panel, answers, d, q, v):
     """Free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
     for group in range(GROUPS):
@@ -55,7 +55,7 @@ def free_ends(panels, panel, answers, d, q, v):
         panel.defect[group] = defect
 
 
-@kernel(inlined=True)
+@kernel
 def forced_ends(panel, response, groups):
     """Motion of the ends of a panel at both stages in the first `groups` groups, free and by the loads there."""
     for group in range(groups):
@@ -68,7 +68,7 @@ def forced_ends(panel, response, groups):
                 panel.ends[group, i, c] = total
 
 
-@kernel(inlined=True)
+@kernel
 def add_modal_forces(panels, panel, answers, d):
     """Add what the modal forces of foreshortening do to the ends of a panel."""
     for group in range(GROUPS):
@@ -82,7 +82,7 @@ def add_modal_forces(panels, panel, answers, d):
                     panel.ends[group, i, c] += mode.row[i] * gain
 
 
-@kernel(inner=True)
+@kernel
 def foreshorten(forms, low, column, gradient, shortening):
     """Fill the quadratic forms' values and rates, and their gradients, from a `column` of `low` and the next one."""
     value0 = value1 = value2 = value3 = value4 = 0.0
@@ -116,7 +116,7 @@ def foreshorten(forms, low, column, gradient, shortening):
         shortening[1, c] = rate
 
 
-@kernel(inlined=True)
+@kernel
 def shorten_ends(panel, s):
     """Add foreshortening to the axial motion of the ends of a panel at stage `s`."""
     for c in range(2):
@@ -124,7 +124,7 @@ def shorten_ends(panel, s):
         panel.ends[AXIAL_EVEN, 0, 2 * s + c] += panel.shortening[s, c, EVEN_ENDS]
 
 
-@kernel(inner=True)
+@kernel
 def sum_ends(panels, panel, d, q, v):
     """Motion of the ends of a panel in a pose, as of the first stage, without foreshortening."""
     for group in range(GROUPS):
@@ -141,7 +141,7 @@ def sum_ends(panels, panel, d, q, v):
         ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
 
 
-@kernel(inlined=True)
+@kernel
 def shorten_pose(panels, panel, d, q, v):
     """Add foreshortening to the motion of the ends of a panel in a pose, as of the first stage."""
     for group in range(AXIAL_EVEN):
@@ -159,7 +159,7 @@ def shorten_pose(panels, panel, d, q, v):
     shorten_ends(panel, 0)
 
 
-@kernel(inlined=True)
+@kernel
 def move_low(panels, panel, answers, d, group):
     """Motion of the coupled coordinates of a group at both stages under the loads and the present modal forces."""
     coupled = panels.coupled[group]
@@ -184,13 +184,13 @@ def move_low(panels, panel, answers, d, group):
             panel.low[group, r, c] = moved
 
 
-@kernel(inlined=True)
+@kernel
 def axial_form(group, r):
     """Form that projects foreshortening on coupled axial mode `r` of a group."""
     return ODD_FIRST + r if group == AXIAL_ODD else EVEN_FIRST
 
 
-@kernel(single_caller=True)
+@kernel
 def push_axial(panels, panel, d, s):
     """Modal forces of foreshortening on the axial modes of a panel at stage `s`."""
     for group in range(AXIAL_EVEN, GROUPS):
@@ -200,7 +200,7 @@ def push_axial(panels, panel, d, s):
             panel.coupling[s, group, r] = frequency * frequency * strain
 
 
-@kernel(single_caller=True)
+@kernel
 def push_bending(panels, panel, d, s):
     """Forces of the tension on the bending coordinates of a panel at stage `s`."""
     for f in range(FORMS):
@@ -229,7 +229,7 @@ def push_bending(panels, panel, d, s):
                 panel.coupling[s, group, r] -= share * panel.coupling[s, group, coupled + i]
 
 
-@kernel(inlined=True)
+@kernel
 def couple(panels, panel, answers, d):
     """Forces of foreshortening in a panel at both stages, the axial ones first: tension is what they leave.
 

@@ -22,7 +22,7 @@ from solar_env.mechanics.numerics.jit import kernel
 _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 
-@kernel(inlined=True)
+@kernel
 def fill_torques(model, state, work, s):
     """Torques of joints and cable loops by their laws at a slot, with their slopes."""
     for j in range(model.joints.size):
@@ -37,7 +37,7 @@ def fill_torques(model, state, work, s):
         load.by_value, load.by_rate = -slope, 0.0
 
 
-@kernel(inlined=True)
+@kernel
 def enter_row(work, s, n, r, by_value, by_rate, diagonal):
     """Enter a row of Newton's matrix: by what a residual changes with motion, and with the unknown itself."""
     row = work.matrix[s * n + r]
@@ -48,7 +48,7 @@ def enter_row(work, s, n, r, by_value, by_rate, diagonal):
     row[s * n + r] += diagonal
 
 
-@kernel(single_caller=True)
+@kernel
 def torque_row(work, s, n, r, renewed):
     """Row of a torque: its residual, and its slopes in Newton's matrix where that is `renewed`."""
     load = work.loads[work.unknowns[r].number]
@@ -57,7 +57,7 @@ def torque_row(work, s, n, r, renewed):
         enter_row(work, s, n, r, -load.by_value, -load.by_rate, 1.0)
 
 
-@kernel(single_caller=True)
+@kernel
 def contact_rows(model, state, work, s, n, r, renewed):
     """Rows of a contact's normal and tangential force, as of a torque."""
     j, first = work.unknowns[r].owner, work.unknowns[r].number
@@ -84,7 +84,7 @@ def contact_rows(model, state, work, s, n, r, renewed):
         work.matrix[s * n + r + 1, s * n + r] -= share
 
 
-@kernel(single_caller=True)
+@kernel
 def reaction_row(work, s, n, r, h, renewed):
     """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity."""
     j, kind = work.unknowns[r].owner, work.unknowns[r].kind

@@ -34,7 +34,7 @@ from solar_env.mechanics.numerics.jit import kernel
 _PARTS = 8
 
 
-@kernel(inlined=True)
+@kernel
 def view_joint(model, state, j):
     """The joint `j` as a controller may observe it."""
     view = state.views[j]

@@ -56,7 +56,7 @@ def convert_settings(chosen: Any) -> ModalSettings:
     )
 
 
-@kernel
+@kernel(inlined=False)
 def start_loads(model, state, work):
     """Torques of the laws at the start of a run."""
     look_at(model, state.q, state.v, work, START)
@@ -67,7 +67,7 @@ def start_loads(model, state, work):
     take_motion(model, state, work)
 
 
-@kernel(inner=True)
+@kernel
 def take_motion(model, state, work):
     """Fill the motion of the joints, and their views, at the accepted state, of which the workspace has been filled."""
     for j in range(model.joints.size):
@@ -79,7 +79,7 @@ def take_motion(model, state, work):
         view[4], view[5] = place[ECCENTRICITY_X], place[ECCENTRICITY_Y]
 
 
-@kernel(inner=True)
+@kernel
 def begin_modal(model, state, settings, work):
     """Look at the present state."""
     clock = state.clock[0]
@@ -94,7 +94,7 @@ def begin_modal(model, state, settings, work):
     return True
 
 
-@kernel(inlined=True)
+@kernel
 def start_at_state(state, work):
     """Copy coordinates, velocities and integrals of the accepted state to the workspace."""
     copy_into(work.q, state.q)
@@ -102,7 +102,7 @@ def start_at_state(state, work):
     copy_into(work.integrals, state.integrals)
 
 
-@kernel(inner=True)
+@kernel
 def choose_modal(model, state, settings, work, remaining):
     """Step to try [s]: of the tabled sizes the greatest that does not exceed the one wanted, or what remains."""
     wanted = step_limit(state, settings)
@@ -114,7 +114,7 @@ def choose_modal(model, state, settings, work, remaining):
     return max(wanted, remaining) if last else h
 
 
-@kernel(inlined=True)
+@kernel
 def tables_of(model, work):
     """Tables and level of the trial's step."""
     if work.trial[0].level == _OFF_TABLE:
@@ -122,7 +122,7 @@ def tables_of(model, work):
     return model.tables, work.trial[0].level
 
 
-@kernel(inner=True)
+@kernel
 def solve_size(model, state, settings, work, h):
     """Solve a step of the size `h` [s] of the trial's level of tables; False, with how to go on, if it cannot be."""
     trial = work.trial[0]
@@ -135,7 +135,7 @@ def solve_size(model, state, settings, work, h):
     return False
 
 
-@kernel(inner=True)
+@kernel
 def attempt_modal(model, state, settings, work, h):
     """Solve a step `h` [s]; its error in units of the tolerance."""
     if not solve_size(model, state, settings, work, h):
@@ -144,14 +144,14 @@ def attempt_modal(model, state, settings, work, h):
     return step_error(model, state, work, settings, tables, level, h)
 
 
-@kernel(inner=True)
+@kernel
 def cut_modal(model, state, settings, work, h):
     """Solve a shorter step `h` [s] in place of the one tried; False if that cannot be done."""
     work.trial[0].level = _OFF_TABLE
     return solve_size(model, state, settings, work, h)
 
 
-@kernel(inner=True)
+@kernel
 def depth_of_modal(model, state, work, j, h, share):
     """Penetration [m] of joint `j` at a share of the step, on the cubic through its motion at both ends."""
     ex = along(work, j, ECCENTRICITY_X, VELOCITY_X, h, share)
@@ -159,20 +159,20 @@ def depth_of_modal(model, state, work, j, h, share):
     return math.sqrt(ex * ex + ey * ey) - model.joints[j].clearance
 
 
-@kernel(inner=True)
+@kernel
 def angle_of_modal(model, state, work, j, h, share):
     """Angle [rad] of joint `j`, likewise."""
     return along(work, j, ANGLE, RATE, h, share)
 
 
-@kernel(inlined=True)
+@kernel
 def along(work, j, value, rate, h, share):
     """Value at a share of the step of the cubic through two columns of a joint's motion, a value and its rate."""
     start, end = work.joints[j].motion[START], work.joints[j].motion[SECOND]
     return cubic(share, start[value], h * start[rate], end[value], h * end[rate])
 
 
-@kernel(inner=True)
+@kernel
 def complete_modal(model, state, settings, work, h):
     """Move to the end of the solved step in the workspace: coordinates, velocities, integrals."""
     start_at_state(state, work)
@@ -181,7 +181,7 @@ def complete_modal(model, state, settings, work, h):
     add_integrals(model, state, work, h)
 
 
-@kernel(inner=True)
+@kernel
 def commit_modal(model, state, settings, work, h, share):
     """Take over the end of the step."""
     copy_into(state.q, work.q)
@@ -194,7 +194,7 @@ def commit_modal(model, state, settings, work, h, share):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def evaluate_modal(model, state, work, changed):
     """Fill the forces of the joints at the accepted state."""
     for j in range(model.joints.size):
@@ -204,7 +204,7 @@ def evaluate_modal(model, state, work, changed):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def contact_angles(model, state, work, j):
     """Angles [rad] of the line of centres of joint `j` in the frames of the journal's and of the bearing's body."""
     joint, motion = model.joints[j], work.joints[j].motion[START]
@@ -213,7 +213,7 @@ def contact_angles(model, state, work, j):
     return journal, angle - work.attachments[joint.inboard].direction[START, 0]
 
 
-@kernel(inlined=True)
+@kernel
 def instantaneous_inverse_mass(model, work, j):
     """Inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
     motion, joint = work.joints[j].motion[START], model.joints[j]
@@ -235,7 +235,7 @@ def instantaneous_inverse_mass(model, work, j):
     return total
 
 
-@kernel(inner=True)
+@kernel
 def open_contact(model, state, work, j):
     """Inverse mass [1/kg] that joint `j` feels along its line of centres; its loads begin with those of the laws."""
     joint, motion = model.joints[j], work.joints[j].motion[START]
@@ -248,7 +248,7 @@ def open_contact(model, state, work, j):
     return instantaneous_inverse_mass(model, work, j)
 
 
-@kernel(inner=True)
+@kernel
 def resume_modal(model, state, work):
     """Forget the loads of contacts that have ended."""
     for j in range(model.joints.size):

@@ -46,7 +46,7 @@ from solar_env.mechanics.numerics.jit import kernel
 _SMALL_TURN = 0.02
 
 
-@kernel(inlined=True)
+@kernel
 def add_load(model, work, stage, number, fx, fy, torque):
     """Add a force [N] and a torque [N m] at an attachment to its body's loads at a stage."""
     attachment = model.attachments[number]
@@ -67,7 +67,7 @@ def add_load(model, work, stage, number, fx, fy, torque):
         load[AXIAL_ODD, 0] += odd * along
 
 
-@kernel(inlined=True)
+@kernel
 def outboard_load(joint, motion, first, second, torque):
     """Load on a joint's outboard body by its force and torque: force, torque; and the torque on the inboard one.
 
@@ -85,13 +85,13 @@ def outboard_load(joint, motion, first, second, torque):
     )
 
 
-@kernel(inlined=True)
+@kernel
 def force_of(model, j):
     """Number of the first component of a joint's force among the loads; the second one follows."""
     return model.joints.size + model.cables.size + 2 * j
 
 
-@kernel(inlined=True)
+@kernel
 def cable_attachment(model, cable, face):
     """Number of an attachment that a loop loads: with the outer wheel, the inner one, then the carrier's two ends."""
     if face == 0:
@@ -101,7 +101,7 @@ def cable_attachment(model, cable, face):
     return model.joints[cable.joint_a].outboard if face == 2 else model.joints[cable.joint_b].inboard
 
 
-@kernel(inlined=True)
+@kernel
 def face_load(model, cable, motion, face, torque, ratio):
     """Force [N] and torque [N m] of a loop on an attachment; `ratio` is of minus the inner torque to the outer one."""
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
@@ -116,7 +116,7 @@ def face_load(model, cable, motion, face, torque, ratio):
     return force * motion[ACROSS_X], force * motion[ACROSS_Y], 0.0
 
 
-@kernel(inlined=True)
+@kernel
 def distribute_loads(model, state, work):
     """Fill the loads of bodies and ends at both stages from those of joints and loops, in the directions there now."""
     for b in range(model.bodies.size):
@@ -148,7 +148,7 @@ def distribute_loads(model, state, work):
                 add_load(model, work, s, cable_attachment(model, cable, face), fx, fy, torque)
 
 
-@kernel(inlined=True)
+@kernel
 def turned(cosine, sine, angle):
     """Cosine and sine after a further turn by `angle` [rad]."""
     square = angle * angle
@@ -160,7 +160,7 @@ def turned(cosine, sine, angle):
     return cosine * c - sine * s, sine * c + cosine * s
 
 
-@kernel(inlined=True)
+@kernel
 def stage_frames(model, state, work, h):
     """Centres of mass and angles of the bodies at both stages, with their rates."""
     for b in range(model.bodies.size):
@@ -180,7 +180,7 @@ def stage_frames(model, state, work, h):
             own.turn[s, 0], own.turn[s, 1] = turned(own.turn[START, 0], own.turn[START, 1], angle)
 
 
-@kernel(inlined=True)
+@kernel
 def move_attachments(model, work, slot):
     """Place the attachments at a slot, from the bodies' frames and the motion of the panels' ends there.
 
@@ -214,7 +214,7 @@ def move_attachments(model, work, slot):
         own.direction[slot, 0], own.direction[slot, 1] = turn, spin
 
 
-@kernel(inlined=True)
+@kernel
 def move_joints(model, work, slot):
     """Fill the motion of every joint at a slot from that of its attachments."""
     for j in range(model.joints.size):
@@ -237,7 +237,7 @@ def move_joints(model, work, slot):
             motion[SLIP], motion[SLIDING_SPEED] = contact.slip, contact.sliding_speed
 
 
-@kernel(inlined=True)
+@kernel
 def move_cables(model, work, slot):
     """Fill the motion of every loop at a slot from that of joints and attachments."""
     for c in range(model.cables.size):
@@ -262,7 +262,7 @@ def move_cables(model, work, slot):
         motion[ACROSS_X], motion[ACROSS_Y] = across_x, across_y
 
 
-@kernel(inlined=True)
+@kernel
 def place_bodies(model, q, v, work, slot):
     """Fill frames, attachments and joints at a slot, from coordinates and the ends' motion without foreshortening."""
     for b in range(model.bodies.size):
@@ -277,7 +277,7 @@ def place_bodies(model, q, v, work, slot):
     move_cables(model, work, slot)
 
 
-@kernel
+@kernel(inlined=False)
 def look_at(model, q, v, work, slot):
     """Fill frames, attachments and joints at a slot for given coordinates and velocities."""
     for b in range(model.bodies.size):

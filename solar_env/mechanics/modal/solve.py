@@ -76,7 +76,7 @@ class ModalSettings(NamedTuple):
     max_steps: int
 
 
-@kernel(single_caller=True)
+@kernel
 def start_stages(model, state, work, h):
     """First guess of the stages: directions of the start, loads along the last step's polynomial."""
     for b in range(model.bodies.size):
@@ -110,7 +110,7 @@ def start_stages(model, state, work, h):
                 motion[s, k] = motion[START, k]
 
 
-@kernel(single_caller=True)
+@kernel
 def move_stages(model, state, work, tables, level, h, coupled):
     """Motion of bodies, attachments and joints at both stages under the present loads.
 
@@ -136,7 +136,7 @@ def move_stages(model, state, work, tables, level, h, coupled):
         move_cables(model, work, s)
 
 
-@kernel(single_caller=True)
+@kernel
 def velocity_tolerance(model, work, settings):
     """Tolerance of velocities [m/s] at the start of a step: of the scale, or of the hinges' speed if that is less."""
     scale, fastest = settings.velocity_scale, 0.0
@@ -147,7 +147,7 @@ def velocity_tolerance(model, work, settings):
     return settings.rtol * min(scale, max(fastest * model.length_scale, _LEAST_SCALE * scale))
 
 
-@kernel(single_caller=True)
+@kernel
 def set_tolerances(state, work, settings, h, n):
     """Deviation of each force from its polynomial that errors of the size of the tolerances take."""
     limit = work.step[0].velocity_tolerance
@@ -170,7 +170,7 @@ def set_tolerances(state, work, settings, h, n):
             load.tolerance = min(load.tolerance, from_depth)
 
 
-@kernel(single_caller=True)
+@kernel
 def correct_loads(model, state, work, n, h, renewed):
     """One correction of the loads by Newton's method, whose matrix is kept unless `renewed`.
 
@@ -208,7 +208,7 @@ def correct_loads(model, state, work, n, h, renewed):
     return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
 
 
-@kernel(single_caller=True)
+@kernel
 def shift_stages(model, work, n):
     """Change the joints' motion at the stages by what the latest correction of the loads does, to first order.
 
@@ -243,7 +243,7 @@ def shift_stages(model, work, n):
     return greatest
 
 
-@kernel(single_caller=True)
+@kernel
 def furthest_off(model, work, n):
     """Joint whose load the latest correction has changed most, over its tolerance, or -1."""
     joint, greatest = -1, 0.0
@@ -256,7 +256,7 @@ def furthest_off(model, work, n):
     return joint
 
 
-@kernel
+@kernel(inlined=False)
 def solve_step(model, state, work, settings, tables, level, h):
     """Solve for the loads of a step `h` [s]; False if Newton's iteration does not converge."""
     for b in range(model.bodies.size):

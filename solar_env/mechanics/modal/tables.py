@@ -133,7 +133,7 @@ def make_tables(panels: Panels, levels: int) -> Tables:
     return Tables(np.zeros((designs, levels, modes), answer_type), np.zeros((designs, levels), response_type))
 
 
-@kernel(inner=True)
+@kernel
 def exact_coefficients(frequency, damping_rate, h, coefficients):
     """Fill (COEFFICIENTS,) for a mode that the step resolves: by its Taylor series, whose terms fall as 1/n!."""
     square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
@@ -166,7 +166,7 @@ def exact_coefficients(frequency, damping_rate, h, coefficients):
         coefficients[4 * case + 3] = r2 / h
 
 
-@kernel(inner=True)
+@kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
     """Fill (COEFFICIENTS,) as the Radau IIA method answers."""
     square, damping = frequency * frequency, 2.0 * damping_rate
@@ -190,7 +190,7 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
         coefficients[4 * case + 3] = v0 + h * (A[1][0] * a1 + A[1][1] * a2)
 
 
-@kernel
+@kernel(inlined=False)
 def fill_answer(frequency, damping_rate, h, answer):
     """Fill an `answer_type` of a mode for a step `h` [s]."""
     coefficients = answer.coefficient
@@ -208,19 +208,19 @@ def fill_answer(frequency, damping_rate, h, answer):
         answer.defect[1] = cosine - damping_rate * sine - coefficients[FROM_RATE + 3]
 
 
-@kernel(inlined=True)
+@kernel
 def values_of(group):
     """Number of end values of a group."""
     return 2 if group < AXIAL_EVEN else 1
 
 
-@kernel(inlined=True)
+@kernel
 def side(end):
     """Sign of what is odd at an end: as at the first one, or opposite."""
     return 1.0 - 2.0 * end
 
 
-@kernel(inner=True)
+@kernel
 def add_mode(mode, answer, group, own):
     """Add what a mode of a group does to the responses of a step size."""
     held = answer.defect[0] * mode.row[0] / (mode.frequency * mode.frequency)
@@ -232,7 +232,7 @@ def add_mode(mode, answer, group, own):
         own.held[group, i] -= held * mode.row[i]
 
 
-@kernel
+@kernel(inlined=False)
 def fill_level(panels, tables, level, h):
     """Fill one level of the tables of every design for the step size `h` [s]."""
     for d in range(panels.damping.size):
@@ -250,13 +250,13 @@ def fill_level(panels, tables, level, h):
                 add_mode(mode, answer, group, own)
 
 
-@kernel(inlined=True)
+@kernel
 def level_size(level):
     """Step size [s] of a level."""
     return GREATEST_STEP * 2.0 ** (-0.5 * level)
 
 
-@kernel(inner=True)
+@kernel
 def level_below(h):
     """Level of the greatest tabled step size that does not exceed `h` [s]; LEVELS if there is none."""
     level = 0

@@ -33,7 +33,7 @@ DEVIATION = 1.0 / 12.0
 _LEAST_RATIO = 1e-3
 
 
-@kernel(inlined=True)
+@kernel
 def effect_of_torque(model, tables, level, h, j):
     """Greatest changes over a step by a unit of a joint's torque: of its angle [rad], of its points' velocity [m/s]."""
     joint, angle, velocity = model.joints[j], 0.0, 0.0
@@ -51,7 +51,7 @@ def effect_of_torque(model, tables, level, h, j):
     return angle, velocity
 
 
-@kernel(inlined=True)
+@kernel
 def list_unknown(model, work, r, kind, j, number):
     """Enter unknown `r` of joint `j`, the load `number`; returns how many unknowns there are then."""
     own, joint = work.unknowns[r], model.joints[j]
@@ -60,7 +60,7 @@ def list_unknown(model, work, r, kind, j, number):
     return r + 1
 
 
-@kernel(single_caller=True)
+@kernel
 def list_rows(model, state, work, tables, level, h):
     """List the unknowns, and set the tolerances of torques; returns the number of unknowns.
 
@@ -96,7 +96,7 @@ def list_rows(model, state, work, tables, level, h):
     return n
 
 
-@kernel(inlined=True)
+@kernel
 def enter_load(model, work, number, fx, fy, torque, load):
     """Enter a load on an attachment as its body's frame has it, in the directions of the second stage."""
     body, local = work.bodies[model.attachments[number].body], work.attachments[number].local
@@ -106,7 +106,7 @@ def enter_load(model, work, number, fx, fy, torque, load):
     load[3] = torque + local[SECOND, 0] * across - local[SECOND, 1] * along
 
 
-@kernel(single_caller=True)
+@kernel
 def fill_unit_loads(model, work, n):
     """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
     for r in range(n):
@@ -130,7 +130,7 @@ def fill_unit_loads(model, work, n):
                 copy_into(own.reading[face], own.load[face])
 
 
-@kernel(single_caller=True)
+@kernel
 def move_ends(response, load, odd, motion):
     """Motion of both ends of a panel, along, across and turning, by a load at the end where `odd` is `side`."""
     along, across, torque = load[0], load[1], load[2]
@@ -145,7 +145,7 @@ def move_ends(response, load, odd, motion):
         motion[0, 0, c], motion[1, 0, c] = even + other, even - other
 
 
-@kernel(single_caller=True)
+@kernel
 def add_shared(body, first, second, motion, rigid, shared):
     """Add what unit load `second` on a body does to the motion that unit load `first` works on.
 
@@ -161,7 +161,7 @@ def add_shared(body, first, second, motion, rigid, shared):
             shared[c] += along * motion[0, c] + across * motion[1, c] + torque * motion[2, c]
 
 
-@kernel(inner=True)
+@kernel
 def share_motion(model, work, p, q):
     """Fill the motion that unknown `p` reads off by a unit of unknown `q`."""
     shared = work.mobility[p, q].response
@@ -177,7 +177,7 @@ def share_motion(model, work, p, q):
                 add_shared(body, own.reading[face], other.load[opposite], motion, work.rigid, shared)
 
 
-@kernel(single_caller=True)
+@kernel
 def fill_mobility(model, work, tables, level, h, n):
     """Motion that each unknown works on by a unit of each other, at both stages."""
     fill_unit_loads(model, work, n)

@@ -17,7 +17,10 @@ from typing import Any
 
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.registry import CPUDispatcher
 from platformdirs import user_cache_path
+
+from solar_env.mechanics.numerics.linking import LinkedCompiler
 
 _PACKAGE = Path(__file__).resolve().parents[2]
 
@@ -128,13 +131,24 @@ class KernelCache(FunctionCache):
             warnings.warn(f"compiled kernels could not be kept, later runs compile them anew: {error}", stacklevel=2)
 
 
-def kernel(
-    function: Callable[..., Any] | None = None,
-    *,
-    inner: bool = False,
-    inlined: bool = False,
-    single_caller: bool = False,
-) -> Any:
+class Kernel(CPUDispatcher):
+    """A compiled function with two faces: for other kernels, code that is linked into theirs; for Python, a function.
+
+    Each is compiled when it is first asked for, and only the second is kept on disk.
+    """
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        linked = options | {"nopython": True, "boundscheck": None, "no_cpython_wrapper": True}
+        super().__init__(function, targetoptions=linked, pipeline_class=LinkedCompiler)
+        self.from_python = numba.njit(**options)(function)
+        self.from_python._cache = KernelCache(function)
+
+    def __call__(self, *args: Any) -> Any:
+        """Call the function from Python."""
+        return self.from_python(*args)
+
+
+def kernel(function: Callable[..., Any] | None = None, *, inlined: bool = True) -> Any:
     """Compile a function in nopython mode, without the interpreter lock, cached under the hash of its sources.
 
     It may not allocate. In exchange it does no reference counting, which would otherwise cost two atomic operations for
@@ -142,32 +156,26 @@ def kernel(
 
     Args:
         function: to compile; left out where the decorator has options.
-        inner: only kernels call it. It has no way in from Python, which saves compile time, and LLVM inlines it, which
-            spares passing tuples of arrays.
-        inlined: LLVM inlines it, though Python calls it as well.
-        single_caller: one kernel calls it, in one place; it is compiled as a part of that only, which saves time.
+        inlined: LLVM puts the code in the place of every call by a kernel, which spares passing tuples of arrays. Long
+            kernels that several others call, or seldom, compile faster where it is left to decide.
     """
     if function is None:
-        return partial(kernel, inner=inner, inlined=inlined, single_caller=single_caller)
-    wishes = {"no_cpython_wrapper": inner, "inline": "always" if single_caller else ""}
-    # Only what is wished for: to name the default "never" keeps LLVM from inlining, which costs up to half the speed.
-    options: dict[str, Any] = {name: value for name, value in wishes.items() if value}
-    # But this always: where it is not named, a kernel takes it from the caller that happens to be compiled first, and
-    # what a run computes would depend on that in its last bits.
-    options["forceinline"] = inner or inlined
+        return partial(kernel, inlined=inlined)
+    if numba.config.DISABLE_JIT:
+        return function
+    options = {
+        "nogil": True,
+        "error_model": "numpy",
+        "fastmath": {"contract"},
+        "no_cfunc_wrapper": True,
+        "_nrt": False,
+        # Always named: otherwise a kernel takes it from the caller that happens to be compiled first, and what a run
+        # computes would depend on that in its last bits.
+        "forceinline": inlined,
+    }
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(Path(function.__code__.co_filename).resolve())
     try:
-        compiled = numba.njit(
-            nogil=True,
-            error_model="numpy",
-            fastmath={"contract"},
-            no_cfunc_wrapper=True,
-            _nrt=False,
-            **options,
-        )(function)
-        if not numba.config.DISABLE_JIT:
-            compiled._cache = KernelCache(function)
-        return compiled
+        return Kernel(function, options)
     finally:
         numba.config.CACHE_DIR = previous

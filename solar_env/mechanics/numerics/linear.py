@@ -5,13 +5,13 @@ import math
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inlined=True)
+@kernel
 def greater(one, other):
     """The greater of two numbers, or NaN if one of them is."""
     return one if one >= other or one != one else other
 
 
-@kernel(inlined=True)
+@kernel
 def greatest(values):
     """The greatest of numbers that are not negative, or NaN if one of them is."""
     worst = 0.0
@@ -24,14 +24,14 @@ def greatest(values):
     return worst
 
 
-@kernel(inlined=True)
+@kernel
 def copy_into(target, source):
     """Copy a vector; in a hot loop several times cheaper than a slice assignment."""
     for i in range(target.size):
         target[i] = source[i]
 
 
-@kernel(inlined=True)
+@kernel
 def copy_rows(target, source):
     """Copy a matrix."""
     for i in range(target.shape[0]):
@@ -39,7 +39,7 @@ def copy_rows(target, source):
             target[i, j] = source[i, j]
 
 
-@kernel(inlined=True)
+@kernel
 def cholesky_factor(a, n):
     """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular.
 
@@ -61,7 +61,7 @@ def cholesky_factor(a, n):
     return True
 
 
-@kernel(inlined=True)
+@kernel
 def cholesky_solve(a, n, b):
     """Solve in place for `b` (n,) with the factor of `cholesky_factor`."""
     for i in range(n):
@@ -76,7 +76,7 @@ def cholesky_solve(a, n, b):
         b[i] = s * a[i, i]
 
 
-@kernel
+@kernel(inlined=False)
 def lu_factor(a, n):
     """Factor a[:n, :n], whose symmetric part is positive definite, in place without pivoting; False if it is not.
 
@@ -108,7 +108,7 @@ def lu_factor(a, n):
     return True
 
 
-@kernel
+@kernel(inlined=False)
 def lu_solve(a, n, b):
     """Solve in place for `b` (n,) with the factors of `lu_factor`."""
     for k in range(n):

@@ -66,7 +66,7 @@ def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
     return matrix
 
 
-@kernel
+@kernel(inlined=False)
 def clear(elimination, matrix):
     """Set all entries to zero, but those of empty places on the diagonal to one."""
     for array in (matrix.lower, matrix.upper, matrix.diagonal):
@@ -77,7 +77,7 @@ def clear(elimination, matrix):
         matrix.diagonal[place // BLOCK, (BLOCK + 1) * (place % BLOCK)] = 1.0
 
 
-@kernel(inlined=True)
+@kernel
 def add_entry(elimination, matrix, i, j, value):
     """Add to the entry of the unknowns `i` (row) and `j` (column); nothing if one of them is held."""
     place, other = elimination.position[i], elimination.position[j]
@@ -110,21 +110,21 @@ def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64
     return result
 
 
-@kernel(inlined=True)
+@kernel
 def enter(x, place, value):
     """Set the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] = value
 
 
-@kernel(inlined=True)
+@kernel
 def add_to(x, place, value):
     """Add to the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] += value
 
 
-@kernel(inlined=True)
+@kernel
 def taken(x, place):
     """The entry of a vector (blocks, BLOCK); zero if the unknown is held."""
     return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
@@ -133,7 +133,7 @@ def taken(x, place):
 # Blocks are handed on as views: that their indices are constants tells the compiler that no entry overlaps another.
 
 
-@kernel(inner=True)
+@kernel
 def _subtract_product(out, left, right):
     """Subtract left^T right from `out`, all row by row."""
     for i in range(BLOCK):
@@ -145,7 +145,7 @@ def _subtract_product(out, left, right):
         out[4 * i], out[4 * i + 1], out[4 * i + 2], out[4 * i + 3] = y0, y1, y2, y3
 
 
-@kernel(inner=True)
+@kernel
 def _scale(block, inverse):
     """Replace the block B, column by column, by B times `inverse`."""
     for i in range(BLOCK):
@@ -157,7 +157,7 @@ def _scale(block, inverse):
         block[i], block[4 + i], block[8 + i], block[12 + i] = y0, y1, y2, y3
 
 
-@kernel(inner=True)
+@kernel
 def _invert(block, s0, s1, s2, s3):
     """Invert the block without exchange of pivots.
 
@@ -184,7 +184,7 @@ def _invert(block, s0, s1, s2, s3):
     return True
 
 
-@kernel
+@kernel(inlined=False)
 def profile_factor(elimination, matrix):
     """Factor in place into a unit lower and an upper block triangle; False if a pivot vanishes or is not finite.
 
@@ -208,7 +208,7 @@ def profile_factor(elimination, matrix):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def _times(block, x0, x1, x2, x3):
     """A block, row by row, times a vector."""
     return (
@@ -219,7 +219,7 @@ def _times(block, x0, x1, x2, x3):
     )
 
 
-@kernel(inner=True)
+@kernel
 def _transposed_times(block, x):
     """A block, column by column, times a vector (BLOCK,)."""
     a, b, c, d = x[0], x[1], x[2], x[3]
@@ -231,7 +231,7 @@ def _transposed_times(block, x):
     )
 
 
-@kernel
+@kernel(inlined=False)
 def profile_solve(elimination, matrix, b):
     """Solve in place for `b` (blocks, BLOCK), in the order of elimination, with `profile_factor`'s factors."""
     first, base = elimination.first, elimination.base
@@ -256,7 +256,7 @@ def profile_solve(elimination, matrix, b):
             there[3] -= x3
 
 
-@kernel
+@kernel(inlined=False)
 def profile_product(elimination, matrix, x, out):
     """Write the matrix times `x` to `out`, both (blocks, BLOCK) in the order of elimination."""
     first, base = elimination.first, elimination.base

@@ -38,7 +38,7 @@ class StepController(NamedTuple):
     memory: float = 0.0
 
 
-@kernel(inlined=True)
+@kernel
 def shortened(control, h, error):
     """Step [s] with which one of size `h` [s] is tried again, whose error is above one or not finite."""
     if not error < math.inf:
@@ -46,7 +46,7 @@ def shortened(control, h, error):
     return h * max(_SAFETY * error ** (-1.0 / control.order), control.least_share)
 
 
-@kernel(inlined=True)
+@kernel
 def growth(control, error, last_error):
     """Size of the next step in units of the present one, from the errors of that and of the one before it."""
     wanted = _SAFETY * max(error, control.least_error) ** (-control.proportional / control.order)

@@ -12,7 +12,7 @@ from solar_env.mechanics.records.recording import record_contact
 IMPACT_DURATIONS = 2.0
 
 
-@kernel(inner=True)
+@kernel
 def end_contact(state, j, time, recorder):
     """Close the contact of joint `j` and record it."""
     joint_state = state.joints[j]
@@ -21,7 +21,7 @@ def end_contact(state, j, time, recorder):
     joint_state.impact_speed = 0.0
 
 
-@kernel(inner=True)
+@kernel
 def note_force(joint_state, force, postlock):
     """Raise a joint's running maxima to a force [N]."""
     joint_state.contact_peak = max(joint_state.contact_peak, force)
@@ -31,7 +31,7 @@ def note_force(joint_state, force, postlock):
         joint_state.postlock_peak_force = max(joint_state.postlock_peak_force, force)
 
 
-@kernel
+@kernel(inlined=False)
 def latch(state, j, time):
     """Latch joint `j` for good. The first latching starts the post-lock record of every joint."""
     state.joints[j].latched = 1
@@ -44,7 +44,7 @@ def latch(state, j, time):
     state.clock[0].latched_joints += 1
 
 
-@kernel(inlined=True)
+@kernel
 def wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_work):
     """Wear both surfaces of joint `j` by the sliding work [J] of one accepted step.
 
@@ -56,7 +56,7 @@ def wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_w
     add_wear(state.wear_bearing[j], bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
 
 
-@kernel(inlined=True)
+@kernel
 def release_stop(joint, joint_state, angle, rate):
     """Book that a stop which is engaged has opened, if it has."""
     if joint_state.latched and joint.stop_gap == 0.0:
@@ -66,21 +66,21 @@ def release_stop(joint, joint_state, angle, rate):
     joint_state.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * rate <= 0.0)
 
 
-@kernel(inlined=True)
+@kernel
 def has_parted(joint_state, time, depth, rate):
     """Whether the surfaces of a joint in contact have parted by `time` [s], with their depth [m] and its rate there."""
     # One that has begun just now, on the very wall, may not end at once: time would stand still.
     return depth <= 0.0 and rate < 0.0 and joint_state.contact_start < time
 
 
-@kernel(inlined=True)
+@kernel
 def parting_time(start, end, start_depth, depth):
     """Linear estimate of when surfaces parted inside the step from `start` to `end` [s]."""
     share = start_depth / (start_depth - depth) if start_depth > 0.0 else 1.0
     return start + share * (end - start)
 
 
-@kernel(inner=True)
+@kernel
 def step_limit(state, settings):
     """Greatest step [s] that the last error, the settings and the resolution of impacts under way allow."""
     joint_states, time = state.joints, state.clock[0].time
@@ -95,7 +95,7 @@ def step_limit(state, settings):
     return limit
 
 
-@kernel(inner=True)
+@kernel
 def fail(state, status, joint, value):
     """Note where and why a call stops."""
     state.clock[0].failure_joint = joint
@@ -103,7 +103,7 @@ def fail(state, status, joint, value):
     return status
 
 
-@kernel(inlined=True)
+@kernel
 def check_joint(joint, state, j, depth, angle):
     """Status of joint `j` with the depth of its contact [m] and its angle [rad]."""
     if joint.kind == m.CLEARANCE and state.joints[j].in_contact and depth > joint.journal_radius:

@@ -54,13 +54,13 @@ def make_recorder(model: Model, state: State, times: NDArray[np.float64], contac
     )
 
 
-@kernel(inner=True)
+@kernel
 def sample_due(recorder, time):
     """Whether a requested sample time has been reached."""
     return recorder.filled[0] < recorder.times.size and recorder.times[recorder.filled[0]] <= time
 
 
-@kernel(inner=True)
+@kernel
 def pause_due(recorder, time, joints):
     """Whether the caller is to be heard: at the time it asked for, and before the contacts run out of room.
 
@@ -70,7 +70,7 @@ def pause_due(recorder, time, joints):
     return time >= recorder.pause[0] or (capacity > 0 and recorder.filled[1] + joints > capacity)
 
 
-@kernel(inner=True)
+@kernel(inlined=False)
 def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a, multipliers, energies):
     """Evaluate the loads at an (interpolated) state and store one row."""
     accelerations(model, joint_states, q, v, time, work, a, multipliers)
@@ -89,7 +89,7 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
     recorder.filled[0] += 1
 
 
-@kernel(inner=True)
+@kernel
 def record_contact(recorder, j, joint_state, integrals, end):
     """Store the line of a contact of joint `j` that has just ended."""
     if recorder.contacts.shape[0] == 0:

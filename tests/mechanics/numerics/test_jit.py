@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import errno
-import importlib
 import os
 import shutil
 import tempfile
@@ -150,7 +149,7 @@ def test_compiled_kernels_are_found_again_wherever_the_package_lies(
     package: Path, tmp_path: Path, run_python: Callable[..., str]
 ) -> None:
     environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
-    program = f"{KERNEL}print(sum(pressed_half_angle.stats.cache_hits.values()))"
+    program = f"{KERNEL}print(sum(pressed_half_angle.from_python.stats.cache_hits.values()))"
     run_python(program, str(package), **environment)
     moved = shutil.copytree(package, tmp_path / "elsewhere", copy_function=shutil.copyfile)
     assert run_python(program, str(moved), **environment).split()[1] == "1"
@@ -177,11 +176,30 @@ def test_the_compilers_own_settings_are_left_alone() -> None:
     assert cache_folder(COMPILING[0]) != numba.config.CACHE_DIR
 
 
+TWO_KERNELS = """
+from solar_env.mechanics.numerics.jit import kernel
+
+@kernel
+def called(x):
+    return 2.0 * x
+
+@kernel
+def caller(x):
+    return called(x) + 1.0
+"""
+CALLS = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from solar_env.kernels import called, caller
+print(caller(2.0), len(called.signatures), len(called.from_python.signatures))
+print(called(2.0), len(called.from_python.signatures))
+"""
+
+
 @needs_compiler
-@pytest.mark.parametrize("path", COMPILING, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_a_kernel_says_itself_whether_it_is_inlined(path: Path) -> None:
-    module = importlib.import_module(".".join(path.relative_to(ROOT.parent).with_suffix("").parts))
-    kernels = [entry for entry in vars(module).values() if isinstance(entry, numba.core.dispatcher.Dispatcher)]
-    assert kernels
-    # Not named, it would be what the caller says that happens to be compiled first.
-    assert all("forceinline" in found.targetoptions for found in kernels)
+def test_a_kernel_is_compiled_for_kernels_and_for_python_when_these_call_it(
+    package: Path, tmp_path: Path, run_python: Callable[..., str]
+) -> None:
+    (package / "solar_env" / "kernels.py").write_text(TWO_KERNELS)
+    printed = run_python(CALLS, str(package), NUMBA_CACHE_DIR=str(tmp_path / "cache")).split()
+    assert printed == ["5.0", "1", "0", "4.0", "1"]

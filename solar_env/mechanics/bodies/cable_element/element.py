@@ -141,7 +141,7 @@ def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
     return Elements(offset, inverse_length, constants.reshape(blocks, 3 * LANES), filled)
 
 
-@kernel
+@kernel(inlined=False)
 def add_mass_product(body, constants, a, out):
     """Add the body's M a to `out` (n,)."""
     rows = body.coordinates // 2
@@ -159,7 +159,7 @@ def add_mass_product(body, constants, a, out):
             out[z + 1] += weight * a[x + 1]
 
 
-@kernel
+@kernel(inlined=False)
 def solve_mass(body, constants, force, a):
     """Write the body's M^-1 force into `a` (n,)."""
     rows, first = body.coordinates // 2, body.mass_factor
@@ -187,7 +187,7 @@ def solve_mass(body, constants, force, a):
         l0, l1, l2 = constants[f], constants[f + 1], constants[f + 2]
 
 
-@kernel
+@kernel(inlined=False)
 def kinetic_energy(body, constants, v):
     """Kinetic energy [J] of the body."""
     total = 0.0
@@ -201,7 +201,7 @@ def kinetic_energy(body, constants, v):
     return total
 
 
-@kernel
+@kernel(inlined=False)
 def add_mass_matrix(body, constants, weight, elimination, matrix):
     """Add weight * (mass matrix of the body) to `matrix`."""
     for i in range(body.coordinates // 2):

@@ -14,7 +14,7 @@ REGISTER = 4
 TABLE_ROWS = 19
 
 
-@kernel(inlined=True)
+@kernel
 def add_axial_point(point, x, axial, damping, f):
     """Add one quadrature point's part of the axial force to the tuple that `element_forces` builds up."""
     d, a, b, _, _, _, w = point
@@ -33,7 +33,7 @@ def add_axial_point(point, x, axial, damping, f):
     return f0 + d * nx, f1 + d * ny, f2 + a * nx, f3 + a * ny, f4 + b * nx, f5 + b * ny, power + weight * viscous * rate
 
 
-@kernel(inlined=True)
+@kernel
 def add_bending_point(point, x, bending, damping, f):
     """Add one quadrature point's part of the bending moment to the tuple that `element_forces` builds up."""
     d, a, b, e, g, h, w = point
@@ -63,7 +63,7 @@ def add_bending_point(point, x, bending, damping, f):
     )
 
 
-@kernel(inner=True)
+@kernel
 def element_forces(lanes, constants, table):
     """Internal forces of a block of elements, several at a time in the processor's vector registers.
 
@@ -109,7 +109,7 @@ def element_forces(lanes, constants, table):
         table[18 * LANES + i] = f[6]
 
 
-@kernel
+@kernel(inlined=False)
 def add_elastic_forces(elements, q, v, force, table):
     """Add the internal forces of all beams to `force`; returns the power [W] that damping takes.
 
@@ -145,7 +145,7 @@ def add_elastic_forces(elements, q, v, force, table):
     return total
 
 
-@kernel
+@kernel(inlined=False)
 def add_elastic_energy(body, q, total):
     """Strain energy [J] of a beam, added to `total`."""
     length = body.element_length

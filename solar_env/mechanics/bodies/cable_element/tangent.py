@@ -61,7 +61,7 @@ def _expansion() -> NDArray[np.float64]:
 _EXPANSION = _expansion()
 
 
-@kernel(inner=True)
+@kernel
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
     """Slopes of the axial force at a quadrature point by r' and its rate."""
     d, a, b, _, _, _, w = point
@@ -90,7 +90,7 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
         viscosity[3 * COLUMNS + i] = viscous * ty * ty
 
 
-@kernel(inner=True)
+@kernel
 def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
     """Slopes of the bending moment at a quadrature point by r' and L r'' and their rates."""
     d, a, b, e, g, h, w = point
@@ -155,7 +155,7 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
         viscosity[15 * COLUMNS + i] = viscous * my * my
 
 
-@kernel(inner=True)
+@kernel
 def _expand(lanes, local, found):
     """Slopes by chord and slopes from those at the points."""
     for pair in range(9):
@@ -175,7 +175,7 @@ def _expand(lanes, local, found):
                 out[i], out[i + 1], out[i + 2], out[i + 3] = y0, y1, y2, y3
 
 
-@kernel(inner=True)
+@kernel
 def _scatter(elimination, matrix, k, inverse, slopes, i):
     """Add an element's slopes by chord and slopes to a matrix by nodes; each node has a block of its own."""
     inner, outer = elimination.position[k] // BLOCK, elimination.position[k + BLOCK] // BLOCK
@@ -195,7 +195,7 @@ def _scatter(elimination, matrix, k, inverse, slopes, i):
             outermost[BLOCK * r + c] += there * right * slopes[other + beyond]
 
 
-@kernel
+@kernel(inlined=False)
 def add_elastic_tangents(elements, q, v, slopes, elimination, stiffness, damping):
     """Add df/dq and df/dv of the internal forces f, which resist, to two matrices (`profile.py`)."""
     motion = slopes.motion

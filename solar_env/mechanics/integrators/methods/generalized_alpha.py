@@ -107,7 +107,7 @@ def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
     )
 
 
-@kernel(single_caller=True)
+@kernel
 def fill_residual(model, state, it, work, time, scale):
     """Right-hand side of Newton's equations: minus the scaled residual of dynamics, minus the constraints."""
     bodies, rhs, force = model.bodies, it.rhs, work.force
@@ -133,7 +133,7 @@ def fill_residual(model, state, it, work, time, scale):
         rhs[i] *= scale
 
 
-@kernel(single_caller=True)
+@kernel
 def solve_newton(model, it):
     """Solve Newton's equations for `it.rhs` in place; False if the matrix is singular."""
     position, rhs, solution = model.elimination.position, it.rhs, it.solution
@@ -147,7 +147,7 @@ def solve_newton(model, it):
     return True
 
 
-@kernel(single_caller=True)
+@kernel
 def solve_step(model, state, it, work, settings, h):
     """Solve one step into `it`; returns the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size
@@ -204,7 +204,7 @@ def solve_step(model, state, it, work, settings, h):
     return correction / tolerance
 
 
-@kernel(single_caller=True)
+@kernel
 def restart(model, state, it, work, settings, h):
     """Solve accelerations and multipliers afresh at the accepted state, for steps of size `h`. False if singular."""
     q0, v0, time = it.start_q, it.start_v, state.clock[0].time
@@ -260,7 +260,7 @@ def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
     )
 
 
-@kernel(inner=True)
+@kernel
 def prepare(model, state, arrays):
     """Contact modes and powers at the start of a step.
 
@@ -280,14 +280,14 @@ def prepare(model, state, arrays):
     copy_into(arrays.iteration.power, work.power)
 
 
-@kernel(inner=True)
+@kernel
 def engage_stops(model, state, arrays):
     """Engage all stops: Newton's iteration meets them wherever they are, and nothing is frozen in a step."""
     for j in range(model.joints.size):
         state.joints[j].stop_engaged = 1
 
 
-@kernel(inner=True)
+@kernel
 def begin_alpha(model, state, settings, arrays):
     """Fill what the arrays hold of a model and its present state."""
     it = arrays.iteration
@@ -305,13 +305,13 @@ def begin_alpha(model, state, settings, arrays):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def choose_alpha(model, state, settings, arrays, remaining):
     """Step to try [s]: the fixed one, divided so that a whole number of them ends the call."""
     return remaining / math.ceil(remaining / settings.step - 1e-9)
 
 
-@kernel(inner=True)
+@kernel
 def attempt_alpha(model, state, settings, arrays, h):
     """Fill a step `h` [s]; its error in units of the tolerance, negative if constraints are singular."""
     clock, trial, it, work = state.clock[0], arrays.trial[0], arrays.iteration, arrays.work
@@ -332,14 +332,14 @@ def attempt_alpha(model, state, settings, arrays, h):
     return 0.0
 
 
-@kernel(inner=True)
+@kernel
 def complete_alpha(model, state, settings, arrays, h):
     """Fill the loads of the constraints at the end of the step."""
     it = arrays.iteration
     store_constraint_loads(model, it.multipliers, state.clock[0].time + h, it.q, arrays.work)
 
 
-@kernel(inner=True)
+@kernel
 def sample_alpha(model, state, settings, arrays, recorder, h, share):
     """Store one row inside the solved step: cubic Hermite for positions, its derivative for velocities."""
     it, work, scratch = arrays.iteration, arrays.work, arrays.scratch
@@ -360,7 +360,7 @@ def sample_alpha(model, state, settings, arrays, recorder, h, share):
     record_sample(recorder, model, state.joints, q, v, time, integrals, scratch, a, multipliers, energies)
 
 
-@kernel(inner=True)
+@kernel
 def commit_alpha(model, state, settings, arrays, h, share):
     """Take over the end of the step, with the integrals."""
     it = arrays.iteration
@@ -375,20 +375,20 @@ def commit_alpha(model, state, settings, arrays, h, share):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def evaluate_alpha(model, state, arrays, changed):
     """Fill what the joints' motion takes from the loads at the accepted state."""
     take_loads(arrays.work.loads, arrays.motion)
     return True
 
 
-@kernel(inner=True)
+@kernel
 def depth_at_start(model, state, arrays, j, h, share):
     """Penetration [m] of joint `j`, at the start of the step alone: events inside it are not looked for."""
     return arrays.motion[j].depth
 
 
-@kernel(inner=True)
+@kernel
 def angle_at_start(model, state, arrays, j, h, share):
     """Angle [rad] of joint `j`, likewise."""
     return arrays.motion[j].angle

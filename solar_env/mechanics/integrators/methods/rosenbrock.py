@@ -99,7 +99,7 @@ def make_stage_arrays(model: Model, state: State) -> StageArrays:
     return StageArrays(trial, motion, work, scratch, stages, stiff, step)
 
 
-@kernel(single_caller=True)
+@kernel
 def present_velocity_scale(velocity_scale, weights, v0, v):
     """Velocity scale [m/s] for the present speed of a flexible mechanism."""
     top = 0.0
@@ -108,7 +108,7 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
     return velocity_scale * min(1.0, max((_SLOW * top / velocity_scale) ** 2, _LEAST_SCALE))
 
 
-@kernel(inner=True)
+@kernel
 def begin_rosenbrock(model, state, settings, arrays):
     """Prepare a call, without what other lanes and calls have left; False if constraints are singular."""
     step = arrays.step
@@ -120,7 +120,7 @@ def begin_rosenbrock(model, state, settings, arrays):
     return begin_stages(model, state, settings, arrays)
 
 
-@kernel(inner=True)
+@kernel
 def choose_rosenbrock(model, state, settings, arrays, remaining):
     """Step to try [s] by accuracy, impacts and stability, and whether it is linearly implicit."""
     clock, trial, stable = state.clock[0], arrays.trial[0], _STABILITY_MARGIN * model.stable_step
@@ -130,7 +130,7 @@ def choose_rosenbrock(model, state, settings, arrays, remaining):
     return stable if trial.bound else wanted
 
 
-@kernel(inner=True)
+@kernel
 def attempt_rosenbrock(model, state, settings, arrays, h):
     """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
     work, stages = arrays.work, arrays.stages
@@ -150,7 +150,7 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
     return error_norm(model, state, arrays, settings.rtol, velocity_scale, h)
 
 
-@kernel(inner=True)
+@kernel
 def adapt_rosenbrock(model, state, settings, arrays, accepted):
     """Choose when a linearly implicit step is tried next, once the next step's size is set."""
     clock, trial = state.clock[0], arrays.trial[0]

@@ -105,7 +105,7 @@ def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
     )
 
 
-@kernel(single_caller=True)
+@kernel
 def add_length_slopes(model, state, a, newton, diagonal):
     """Add the slopes, by coordinates and velocities, of the lengths' acceleration-level rows d.a + u.u = 0."""
     q, v, elimination = state.q, state.v, model.elimination
@@ -120,7 +120,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
                 add_entry(elimination, newton.matrix, first + b, j, slope)
 
 
-@kernel(single_caller=True)
+@kernel
 def set_stage(state, stages, step, s, h):
     """Values of the coordinates, velocities, accelerations and multipliers at stage `s`, and its past terms."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
@@ -147,7 +147,7 @@ def set_stage(state, stages, step, s, h):
         rate[i] += v[i]
 
 
-@kernel(single_caller=True)
+@kernel
 def solve_stage(model, state, stages, step, s, force, diagonal):
     """Increments of stage `s` for the applied `force` (n,) at its values."""
     elimination, position = model.elimination, model.elimination.position
@@ -186,7 +186,7 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
             ul[k] = inverse * taken(x, position[n + k]) - step.multipliers[k]
 
 
-@kernel(single_caller=True)
+@kernel
 def border_length(state, start_a, step, k, row, position, diagonal):
     """Enter a rigid body's length, and what its multiplier's force is beyond the linear one, in a right-hand side."""
     q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
@@ -206,13 +206,13 @@ def border_length(state, start_a, step, k, row, position, diagonal):
     enter(x, position[state.q.size + row], diagonal * length_row)
 
 
-@kernel(inner=True)
+@kernel(inlined=False)
 def evaluate_forces(model, joint_states, q, v, work):
     """`system.applied_forces` as a call: inlined at every place it would take long to compile."""
     applied_forces(model, joint_states, q, v, work)
 
 
-@kernel(single_caller=True)
+@kernel
 def take_contacts_from_ends(joints, power, gain, h):
     """Put the trapezoidal rule in place of Simpson's for the integrals of contacts.
 
@@ -226,7 +226,7 @@ def take_contacts_from_ends(joints, power, gain, h):
                 gain[k] = 0.5 * h * (power[0, k] + power[-1, k])
 
 
-@kernel(single_caller=True)
+@kernel
 def estimate_error(model, state, stages, step, settings):
     """Greatest component of the error estimate, which is the last increment, in units of the tolerance."""
     last = ROSENBROCK_STAGES - 1
@@ -240,7 +240,7 @@ def estimate_error(model, state, stages, step, settings):
     return greatest(ratios)
 
 
-@kernel(inner=True)
+@kernel(inlined=False)
 def attempt_implicit(model, state, stages, step, work, settings, h):
     """Fill a linearly implicit step `h`, its end going to `stages` as in `runge_kutta.take_stages`.
 

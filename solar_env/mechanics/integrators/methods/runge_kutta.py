@@ -96,7 +96,7 @@ def make_stiff_forces(state: State) -> StiffForces:
     )
 
 
-@kernel(inlined=True)
+@kernel
 def restore_ends(v0, stages, stiff):
     """Undo the correction for stiff forces at both ends: interpolant and further steps take what holds there itself."""
     velocity, acceleration, power = stages.velocity, stages.acceleration, stages.power
@@ -108,7 +108,7 @@ def restore_ends(v0, stages, stiff):
     stiff.active[0] = 0
 
 
-@kernel(single_caller=True)
+@kernel
 def take_stages(model, state, arrays, h):
     """Fill the stages of a step `h`, its end going to `stages.q`, `.v` and `.gain`. False if singular."""
     work, stages, stiff = arrays.work, arrays.stages, arrays.stiff
@@ -154,7 +154,7 @@ def take_stages(model, state, arrays, h):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def contact_error(model, arrays, stiff, h):
     """Greatest error estimate of a lasting contact's depth, in units of its tolerance, a share of the depth itself."""
     worst, stages = 0.0, arrays.stages
@@ -168,7 +168,7 @@ def contact_error(model, arrays, stiff, h):
     return worst
 
 
-@kernel(single_caller=True)
+@kernel
 def error_norm(model, state, arrays, rtol, velocity_scale, h):
     """Greatest component of the error estimate in units of the tolerance."""
     stages, stiff = arrays.stages, arrays.stiff

@@ -28,7 +28,7 @@ _FIRST_STEP = 1e-6  # s
 _PEAK_SAMPLES = 8
 
 
-@kernel(inner=True)
+@kernel
 def fill_rows(model, work):
     """Fill what a workspace holds of a model's constraints."""
     for r in range(work.row_value.shape[0]):
@@ -36,7 +36,7 @@ def fill_rows(model, work):
     fill_columns(model, work, False)
 
 
-@kernel(inner=True)
+@kernel
 def measure_depths(model, state, motion):
     """Fill penetration and its rate at the accepted state, for every clearance joint."""
     for j in range(model.joints.size):
@@ -45,14 +45,14 @@ def measure_depths(model, state, motion):
             motion[j].depth, motion[j].depth_rate = penetration(joint, model.markers, state.q, state.v)
 
 
-@kernel(inner=True)
+@kernel
 def take_loads(loads, motion):
     """Fill angles, rates and forces of the joints from the table of loads (joints, LOAD_COLUMNS) at the state."""
     for j in range(motion.size):
         motion[j].angle, motion[j].rate, motion[j].force = loads[j, ANGLE], loads[j, RATE], loads[j, NORMAL]
 
 
-@kernel(inner=True)
+@kernel(inlined=False)
 def begin_stages(model, state, settings, arrays):
     """Prepare a call, from the accelerations of the last one where they hold; False if constraints are singular.
 
@@ -82,7 +82,7 @@ def begin_stages(model, state, settings, arrays):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def depth_in_stages(model, state, arrays, j, h, share):
     """Penetration [m] of joint `j` at a share of the step."""
     if share == 0.0:
@@ -90,7 +90,7 @@ def depth_in_stages(model, state, arrays, j, h, share):
     return hermite_depth(model.joints[j], model.markers, state, arrays.stages, h, share)
 
 
-@kernel(inner=True)
+@kernel
 def angle_in_stages(model, state, arrays, j, h, share):
     """Angle [rad] of joint `j` at a share of the step."""
     if share == 1.0:
@@ -100,7 +100,7 @@ def angle_in_stages(model, state, arrays, j, h, share):
     return angle
 
 
-@kernel(inner=True)
+@kernel(inlined=False)
 def sample_stages(model, state, settings, arrays, recorder, h, share):
     """Store one row at a share of the step."""
     stages, scratch = arrays.stages, arrays.scratch
@@ -114,7 +114,7 @@ def sample_stages(model, state, settings, arrays, recorder, h, share):
     record_sample(recorder, model, state.joints, q, v, time, integrals, scratch, a, multipliers, energies)
 
 
-@kernel(inner=True)
+@kernel(inlined=False)
 def refine_peak(model, state, stages, j, h, share):
     """Raise the force maxima of joint `j` to the peak inside the step: sampled, then a parabola through the top."""
     joint, joint_state, markers = model.joints[j], state.joints[j], model.markers
@@ -130,7 +130,7 @@ def refine_peak(model, state, stages, j, h, share):
     note_force(joint_state, peak, state.clock[0].latched_joints > 0)
 
 
-@kernel(single_caller=True)
+@kernel
 def refine_peaks(model, state, arrays, h, share):
     """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling.
 
@@ -148,12 +148,12 @@ def refine_peaks(model, state, arrays, h, share):
                 refine_peak(model, state, stages, j, h, share)
 
 
-@kernel(inner=True)
+@kernel
 def complete_nothing(model, state, settings, arrays, h):
     """Do nothing: the end of the step is there."""
 
 
-@kernel(inner=True)
+@kernel
 def commit_stages(model, state, settings, arrays, h, share):
     """Take over the state at a share of the step, with the integrals up to there; False if constraints are singular."""
     stages, integrals, end = arrays.stages, state.integrals, state.clock[0].time + share * h
@@ -175,7 +175,7 @@ def commit_stages(model, state, settings, arrays, h, share):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def evaluate_stages(model, state, arrays, changed):
     """Fill the first stage of the next step: the last of this one, or anew where an event has `changed` the forces."""
     stages, clock = arrays.stages, state.clock[0]
@@ -192,14 +192,14 @@ def evaluate_stages(model, state, arrays, changed):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def resume_stages(model, state, arrays):
     """Go on from the accepted state."""
     set_impact_speeds(state.joints, arrays.work.impact_speeds)
     copy_into(arrays.stages.velocity[0], state.v)
 
 
-@kernel(inner=True)
+@kernel
 def open_contact(model, state, arrays, j):
     """Inverse mass [1/kg] that joint `j` feels along its line of centres at the accepted state."""
     scratch, joint = arrays.scratch, model.joints[j]
@@ -207,7 +207,7 @@ def open_contact(model, state, arrays, j):
     return normal_inverse_mass(model, state.q, state.v, j, scratch)
 
 
-@kernel(inner=True)
+@kernel
 def contact_angles(model, state, arrays, j):
     """Angles [rad] of the line of centres of joint `j` in the frames of the journal's and of the bearing's body."""
     joint, markers, loads = model.joints[j], model.markers, arrays.work.loads

@@ -57,14 +57,14 @@ def make_stages(state: State, rows: int) -> Stages:
     )
 
 
-@kernel(inner=True)
+@kernel
 def set_impact_speeds(joint_states, impact_speeds):
     """Fill (joints,) with the impact speeds of the contacts under way, and zeros for free journals."""
     for j in range(joint_states.size):
         impact_speeds[j] = joint_states[j].impact_speed if joint_states[j].in_contact else 0.0
 
 
-@kernel(inlined=True)
+@kernel(inlined=False)
 def refresh(model, state, stages, work):
     """Evaluate the first stage at the accepted state, with its contact modes. False if constraints are singular."""
     set_impact_speeds(state.joints, work.impact_speeds)
@@ -87,7 +87,7 @@ def refresh(model, state, stages, work):
     return regular
 
 
-@kernel(inlined=True)
+@kernel
 def quintic_weights(s):
     """Weights of position, velocity * h and acceleration * h^2 at the start, then at the end, at the share `s`."""
     s3 = s * s * s
@@ -102,14 +102,14 @@ def quintic_weights(s):
     )
 
 
-@kernel(inlined=True)
+@kernel
 def cubic_weights(s):
     """Weights of value and slope * h at the start, then at the end, at the share `s`."""
     end = s * s * (3.0 - 2.0 * s)
     return 1.0 - end, s * (1.0 - s) * (1.0 - s), end, s * s * (s - 1.0)
 
 
-@kernel
+@kernel(inlined=False)
 def hermite_state(state, stages, h, share):
     """State at `share` of the step, into `stages.scratch_q` and `stages.scratch_v`."""
     q0, v0, q1, v1 = state.q, state.v, stages.q, stages.v
@@ -122,7 +122,7 @@ def hermite_state(state, stages, h, share):
         v[i] = c0 * v0[i] + c1 * a0 + d0 * v1[i] + d1 * a1
 
 
-@kernel(inner=True)
+@kernel
 def hermite_depth(joint, markers, state, stages, h, share):
     """Penetration [m] of a joint at `share` of the step: the eccentricity is linear in q and interpolated alone."""
     acceleration = stages.acceleration
@@ -138,7 +138,7 @@ def hermite_depth(joint, markers, state, stages, h, share):
     return math.sqrt(ex * ex + ey * ey) - joint.clearance
 
 
-@kernel(inner=True)
+@kernel
 def interpolate_without_accelerations(state, stages, h, share):
     """Coordinates at `share` of the step from those and the velocities at its ends alone, into `stages.scratch_q`.
 
@@ -151,7 +151,7 @@ def interpolate_without_accelerations(state, stages, h, share):
         q[i] = c0 * q0[i] + d0 * q1[i] + h * (c1 * v0[i] + d1 * v1[i])
 
 
-@kernel(inner=True)
+@kernel
 def hermite_integrals(state, stages, h, share):
     """Integrals at `share` of the step, into `stages.integrals`."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals

@@ -47,7 +47,7 @@ _STIFF_CONTACT = 2.4
 _PROBE = 0.1
 
 
-@kernel(inlined=True)
+@kernel
 def product(a, b):
     """Scalar product."""
     total = 0.0
@@ -56,7 +56,7 @@ def product(a, b):
     return total
 
 
-@kernel(inlined=True)
+@kernel
 def past_sum(values, stage, i):
     """Sum over the stages before `stage` of gamma_ij times entry `i` of `values` (stages, entries)."""
     total = 0.0
@@ -65,7 +65,7 @@ def past_sum(values, stage, i):
     return total
 
 
-@kernel(inlined=True)
+@kernel
 def contact_directions(joint, markers, q, v, gradient, force):
     """Write the gradient of a contact's depth and the generalized force of a unit opening force with its friction."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
@@ -84,7 +84,7 @@ def contact_directions(joint, markers, q, v, gradient, force):
     add_torque(inboard, q, -friction * motion.lever, force)
 
 
-@kernel(inner=True)
+@kernel
 def lasts(joint_state, time):
     """Whether a joint is in contact and its impact, which has steps of its own, over."""
     return (
@@ -93,7 +93,7 @@ def lasts(joint_state, time):
     )
 
 
-@kernel(inner=True)
+@kernel
 def may_be_stiff(model, state):
     """Whether some force could be stiff: a look that costs next to nothing."""
     flexible, time, found = model.flexible != 0, state.clock[0].time, False
@@ -104,7 +104,7 @@ def may_be_stiff(model, state):
     return found
 
 
-@kernel(single_caller=True)
+@kernel
 def collect(model, state, work, stiff, h):
     """Enter the forces that are stiff over a step `h`; returns their number, and whether contacts are among them.
 
@@ -153,7 +153,7 @@ def collect(model, state, work, stiff, h):
     return count, not flexible
 
 
-@kernel(single_caller=True)
+@kernel
 def separate_motions(stiff, count):
     """Combine the responses to motions that change one gradient's coordinate each; False if these depend on another."""
     if not lu_factor(stiff.matrix, count):
@@ -171,7 +171,7 @@ def separate_motions(stiff, count):
     return True
 
 
-@kernel(single_caller=True)
+@kernel
 def measure_rest(model, state, work, stiff, count, start, h):
     """Rate of change of the accelerations `start` (n,) that A leaves out, by a difference along the motion."""
     q, v, time = state.q, state.v, state.clock[0].time
@@ -193,7 +193,7 @@ def measure_rest(model, state, work, stiff, count, start, h):
     return True
 
 
-@kernel(inner=True)
+@kernel
 def begin_step(model, state, work, stiff, start, h):
     """Prepare the treatment of the forces that are stiff over a step `h`; returns their number.
 
@@ -221,7 +221,7 @@ def begin_step(model, state, work, stiff, start, h):
     return count if lu_factor(stiff.matrix, count) else 0
 
 
-@kernel(inner=True)
+@kernel
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
     """Turn the velocities, accelerations and powers of a stage into its derivatives."""
     count = stiff.active[0]
@@ -260,7 +260,7 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
                 velocity[stage, x] += speed * stiff.motion[i, x]
 
 
-@kernel(inlined=True)
+@kernel
 def add_force_to_powers(power, first, force):
     """Raise a contact's normal force [N], which stays compressive, with the powers that are in proportion to it."""
     normal = power[first + m.IMPULSE]

@@ -25,23 +25,23 @@ Chosen = Any  # one of the settings' classes of `settings.py`
 NOT_AT_ALL, AT_SHARE, BY_SOLVING_AGAIN = range(3)
 
 
-@kernel(inner=True)
+@kernel
 def note_no_peaks(model, state, arrays, h, share):
     """Do nothing: force maxima are those at the ends of steps."""
 
 
-@kernel(inner=True)
+@kernel
 def resume_nothing(model, state, arrays):
     """Do nothing: the next step starts from the state alone."""
 
 
-@kernel(inner=True)
+@kernel
 def cut_nothing(model, state, settings, arrays, h):
     """Do nothing: steps are not solved again."""
     return True
 
 
-@kernel(inner=True)
+@kernel
 def adapt_nothing(model, state, settings, arrays, accepted):
     """Do nothing: the method has no choice of its own between steps."""
 

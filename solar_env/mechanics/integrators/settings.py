@@ -82,15 +82,16 @@ class Rosenbrock(RungeKutta):
 
 @dataclass(frozen=True)
 class ModalRadau(RungeKutta):
-    """Two-stage Radau IIA on the loads of the joints (`modal`), for rigid bodies and modal panels.
+    """Three-stage Radau IIA on the loads of the joints (`modal`), for rigid bodies and modal panels.
 
     Of the local error, contact depths are relative to themselves, and where every joint has clearance velocities are
     relative to the hinges' rates times the longest body if that is less than velocity_scale, down to a hundredth of it.
     Mechanisms with drives or loads are refused.
     """
 
-    rtol: float = 1e-3
-    impact_resolution: float = 6.0
+    rtol: float = 4e-3
+    velocity_scale: float = 0.025
+    impact_resolution: float = 3.0
 
     name = "modal-radau"
     takes_drives = False

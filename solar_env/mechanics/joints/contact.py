@@ -7,6 +7,7 @@ from solar_env.mechanics.joints.laws import MATERIAL, PLACES, PowerLaw
 from solar_env.mechanics.numerics.jit import kernel
 
 _power_force = kernel(PowerLaw.force)
+_power_depth = kernel(PowerLaw.depth_and_slopes)
 _power_energy = kernel(PowerLaw.energy, inlined=False)
 _power_scales = kernel(PowerLaw.impact_scales, inlined=False)
 
@@ -75,6 +76,15 @@ def normal_force(joint, depth, rate, impact_speed):
     if depth <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     return _power_force(joint.contact, depth, rate, impact_speed)
+
+
+@kernel
+def depth_under(joint, load, rate, impact_speed):
+    """Depth [m] at which a contact carries a positive `load` [N], and the force's slopes there by depth and rate.
+
+    The slopes are zero where the contact carries next to nothing at any depth.
+    """
+    return _power_depth(joint.contact, load, rate, impact_speed)
 
 
 @kernel(inlined=False)

@@ -1,20 +1,28 @@
 """End of a step: its error over the tolerances, and the state moved to where it leads."""
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
-from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY, SECOND, START
-from solar_env.mechanics.modal.motion import distribute_loads, place_bodies, stage_frames
+from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY, START
+from solar_env.mechanics.modal.motion import distribute_loads, look_at, stage_frames
 from solar_env.mechanics.modal.tables import (
+    AT_START,
     AXIAL_EVEN,
     AXIAL_ODD,
     BENDING_EVEN,
     BENDING_ODD,
+    COLUMNS,
+    END_RATE,
+    END_VALUE,
+    FROM_LOAD,
+    FROM_RATE,
+    FROM_VALUE,
     GROUPS,
-    WEIGHT_A,
-    WEIGHT_B,
+    LAST,
+    RATE_AT_START,
+    STAGES,
     values_of,
 )
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_rows
+from solar_env.mechanics.numerics.linear import copy_into, copy_rows
 
 # A reaction at the end of one step tells less of the error of another that is shorter than this share of it than of its
 # own: of the fast vibrations that the longer step does not resolve.
@@ -22,17 +30,27 @@ _COMPARABLE = 0.01
 
 
 @kernel
-def rate_defect(panels, own, answers, held, d, h, group):
+def at_start(course):
+    """Value at the start of a step of a course given at its stages."""
+    total = 0.0
+    for k in range(STAGES):
+        total += AT_START[k] * course[k]
+    return total
+
+
+@kernel
+def rate_defect(panels, panel, answers, held, d, h, group):
     """Defect of the rate of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
-    defect = own.defect[group]
+    defect = panel.defect[group]
     for j in range(values_of(group)):
-        defect += held[group, j] * (1.5 * own.load[0, group, j] - 0.5 * own.load[1, group, j])
+        defect += held[group, j] * at_start(panel.load[group, j])
     if group >= AXIAL_EVEN:
         for r in range(panels.coupled[group]):
-            k = panels.first[group] + r
-            mode, first, second = panels.modes[d, k], own.coupling[0, group, r], own.coupling[1, group, r]
-            value, rate = 1.5 * first - 0.5 * second, 1.5 * (second - first) / h
-            shortened = answers[k].defect[0] * value + answers[k].defect[1] * rate
+            number, course, rate = panels.first[group] + r, panel.coupling[group, r], 0.0
+            mode, answer = panels.modes[d, number], answers[number]
+            for k in range(STAGES):
+                rate += RATE_AT_START[k] * course[k] / h
+            shortened = answer.defect[0] * at_start(course) + answer.defect[1] * rate
             defect -= mode.row[0] * shortened / (mode.frequency * mode.frequency)
     return abs(defect)
 
@@ -40,7 +58,7 @@ def rate_defect(panels, own, answers, held, d, h, group):
 @kernel
 def deviation(state, work, k):
     """Load at the start of the step less that of the polynomial through its stages there, without sign."""
-    return abs(state.loads[k] - 1.5 * work.loads[k].stage[0] + 0.5 * work.loads[k].stage[1])
+    return abs(state.loads[k] - at_start(work.loads[k].stage))
 
 
 @kernel
@@ -61,7 +79,7 @@ def step_error(model, state, work, settings, tables, level, h):
         if kind >= NORMAL_ROW and (settled or kind < REACTION_X_ROW):
             apart, stage = deviation(state, work, k), work.loads[k].stage
             if not comparable and kind >= REACTION_X_ROW:
-                apart = min(apart, abs(stage[1] - stage[0]))
+                apart = min(apart, abs(stage[LAST] - stage[0]))
             error = max(error, apart / work.loads[k].tolerance)
     limit = work.step[0].velocity_tolerance
     for b in range(model.bodies.size):
@@ -78,38 +96,27 @@ def step_error(model, state, work, settings, tables, level, h):
 
 
 @kernel
-def move_panel(panels, own, answers, d, q, v):
-    """Move the amplitudes of a panel over the step, and its ends; returns the mean power of its damping [W]."""
+def move_panel(panels, panel, answers, d, q, v):
+    """Move the amplitudes of a panel over the step; returns the power of its damping at the end [W]."""
     total = 0.0
     for group in range(GROUPS):
         begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
         modes, responses, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
-        force1, moment1 = own.load[0, group, 0], own.load[0, group, 1]
-        force2, moment2 = own.load[1, group, 0], own.load[1, group, 1]
-        w = w_rate = s = s_rate = 0.0
+        forces, moments = panel.load[group, 0], panel.load[group, 1]
         for k in range(values.size):
             mode, answer = modes[k], responses[k].coefficient
-            across, turning = mode.row[0], mode.row[1]
-            first = across * force1 + turning * moment1
-            second = across * force2 + turning * moment2
-            if k < coupled:
-                first += own.coupling[0, group, k]
-                second += own.coupling[1, group, k]
-            value, rate = values[k], rates[k]
-            moved = answer[2] * value + answer[6] * rate + answer[10] * first + answer[14] * second
-            rate1 = answer[1] * value + answer[5] * rate + answer[9] * first + answer[13] * second
-            rate2 = answer[3] * value + answer[7] * rate + answer[11] * first + answer[15] * second
-            values[k], rates[k] = moved, rate2
-            w += across * moved
-            w_rate += across * rate2
-            s += turning * moved
-            s_rate += turning * rate2
+            value = answer[FROM_VALUE + END_VALUE] * values[k] + answer[FROM_RATE + END_VALUE] * rates[k]
+            rate = answer[FROM_VALUE + END_RATE] * values[k] + answer[FROM_RATE + END_RATE] * rates[k]
+            for s in range(STAGES):
+                force = mode.row[0] * forces[s] + mode.row[1] * moments[s]
+                if k < coupled:
+                    force += panel.coupling[group, k, s]
+                value += answer[FROM_LOAD + COLUMNS * s + END_VALUE] * force
+                rate += answer[FROM_LOAD + COLUMNS * s + END_RATE] * force
+            values[k], rates[k] = value, rate
             if group >= AXIAL_EVEN and k < coupled:
-                rate1, rate2 = own.strain_rate[0, group, k], own.strain_rate[1, group, k]
-            mean_square = WEIGHT_A * rate1 * rate1 + WEIGHT_B * rate2 * rate2
-            total += mode.frequency * mode.frequency * mean_square
-        ends = own.ends[group]
-        ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
+                rate = panel.strain_rate[group, k]
+            total += (mode.frequency * rate) ** 2
     return panels.damping[d] * total
 
 
@@ -134,26 +141,31 @@ def commit_step(model, state, work, tables, level, h):
     """Move the workspace's coordinates from the start to the end of the solved step, and fill the motion there."""
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
-    power = 0.0
     for b in range(model.bodies.size):
         body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            work.q[first + i], work.v[first + i] = own.place[SECOND, i], own.speed[SECOND, i]
+            work.q[first + i], work.v[first + i] = own.place[LAST, i], own.speed[LAST, i]
         if body.panel != RIGID_BODY:
             answers, panel, begin = tables.answers[body.design, level], work.panels[body.panel], first + 3
             end = begin + answers.size
             q, v = work.q[begin:end], work.v[begin:end]
-            power += move_panel(model.panels, panel, answers, body.design, q, v)
-    work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * power
-    place_bodies(model, work.q, work.v, work, START)
+            power = move_panel(model.panels, panel, answers, body.design, q, v)
+            # Between the ends of a step its modes may vibrate several times: their damping takes what it does on
+            # average, of which the ends are samples.
+            mean = 0.5 * (state.damping_power[body.panel] + power)
+            work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * mean
+            work.damping_power[body.panel] = power
+    look_at(model, work.q, work.v, work, START)
     note_extremes(model, state, work, work.v)
 
 
 @kernel
-def keep_loads(state, work, h):
-    """Keep the loads at the end of the step and the course they have taken."""
+def keep_loads(state, work):
+    """Keep the course of the loads over the step, and their values at its end."""
     for k in range(work.loads.size):
-        stage = work.loads[k].stage
-        state.loads[k], state.load_rates[k] = stage[1], 1.5 * (stage[1] - stage[0]) / h
+        copy_into(state.course[k], work.loads[k].stage)
+        state.loads[k] = work.loads[k].stage[LAST]
     for p in range(work.panels.size):
-        copy_rows(state.coupling[p], work.panels[p].coupling[1])
+        for group in range(GROUPS):
+            copy_rows(state.coupling[p, group], work.panels[p].coupling[group])
+    copy_into(state.damping_power, work.damping_power)

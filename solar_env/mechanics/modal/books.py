@@ -30,7 +30,7 @@ from solar_env.mechanics.modal.arrays import (
 )
 from solar_env.mechanics.modal.ends import axial_form
 from solar_env.mechanics.modal.motion import force_of, look_at, outboard_load
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, WEIGHT_A, WEIGHT_B
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, LAST, NODES, POLYNOMIAL, STAGES, WEIGHTS
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import note_force
 
@@ -44,8 +44,8 @@ def add_integrals(model, state, work, h):
     integrals = work.integrals
     for j in range(model.joints.size):
         joint, own, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
-        for s in range(2):
-            weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
+        for s in range(STAGES):
+            weight = h * WEIGHTS[s]
             motion, force = work.joints[j].motion[s], force_of(model, j)
             first_load, second_load = work.loads[force].stage[s], work.loads[force + 1].stage[s]
             torques = hinge_torques(joint, own, motion[ANGLE], motion[RATE])
@@ -61,8 +61,8 @@ def add_integrals(model, state, work, h):
                 integrals[first + m.SLIDING_WORK] += weight * normal * abs(motion[SLIDING_SPEED])
     for c in range(model.cables.size):
         cable = model.cables[c]
-        for s in range(2):
-            weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
+        for s in range(STAGES):
+            weight = h * WEIGHTS[s]
             motion = work.cables[c].motion[s]
             torque, _, _ = cable_torque(cable, motion[STRETCH])
             add_cable_power(cable, torque, motion[WHEEL_RATE], weight, integrals)
@@ -75,12 +75,18 @@ def note_peaks(model, state, work, h, share):
     for j in range(model.joints.size):
         own, force = state.joints[j], force_of(model, j)
         if own.in_contact:
-            start, first, second = state.loads[force], work.loads[force].stage[0], work.loads[force].stage[1]
-            peak = max(first, second)
-            if first > start and first > second:
-                curvature = 1.5 * (second - start - 3.0 * (first - start))
-                slope = second - start - curvature
-                peak = max(peak, start - 0.25 * slope * slope / curvature)
+            start, stage = state.loads[force], work.loads[force].stage
+            peak, top = start, -1
+            for s in range(STAGES):
+                if stage[s] > peak:
+                    peak, top = stage[s], s
+            if 0 <= top < LAST:
+                before = stage[top - 1] if top > 0 else start
+                left = NODES[top] - (NODES[top - 1] if top > 0 else 0.0)
+                right = NODES[top + 1] - NODES[top]
+                fall, rise = (stage[top + 1] - peak) / right, (peak - before) / left
+                curvature, slope = (fall - rise) / (left + right), (rise * right + fall * left) / (left + right)
+                peak -= 0.25 * slope * slope / curvature
             note_force(own, peak, postlock)
 
 
@@ -92,7 +98,7 @@ def panel_energies(model, body, q, v, work, energies):
         for k in range(panels.first[group], panels.first[group + 1]):
             stretch, r = q[first + k], k - panels.first[group]
             if group >= AXIAL_EVEN and r < panels.coupled[group]:
-                stretch -= own.shortening[0, 0, axial_form(group, r)]
+                stretch -= own.shortening[axial_form(group, r), 0]
             energies[m.ELASTIC] += 0.5 * (panels.modes[d, k].frequency * stretch) ** 2
             energies[m.KINETIC] += 0.5 * v[first + k] ** 2
 
@@ -151,6 +157,18 @@ def fill_load_table(model, state, work, slot, loads, table):
 
 
 @kernel
+def course_at(stage, share):
+    """Value at a share of the step of the polynomial through values at its stages."""
+    total = 0.0
+    for k in range(STAGES):
+        value = 0.0
+        for down in range(STAGES):
+            value = value * share + POLYNOMIAL[k][LAST - down]
+        total += value * stage[k]
+    return total
+
+
+@kernel
 def sample_modal(model, state, settings, work, recorder, h, share):
     """Store one row at a share of the step from the present state to `work.q`.
 
@@ -170,8 +188,7 @@ def sample_modal(model, state, settings, work, recorder, h, share):
                 row[n + i] = rest * (6.0 * share * rise + (1.0 - 3.0 * share) * v0) + share * (3.0 * share - 2.0) * v1
     look_at(model, row[:n], row[n : 2 * n], work, OTHER)
     for k in range(work.loads.size):
-        first, second = work.loads[k].stage[0], work.loads[k].stage[1]
-        work.sample_load[k] = second + 1.5 * (share - 1.0) * (second - first)
+        work.sample_load[k] = course_at(work.loads[k].stage, share)
     for j in range(model.joints.size):
         joint, motion, k = model.joints[j], work.joints[j].motion[OTHER], force_of(model, j)
         if joint.kind == m.CLEARANCE:

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.bodies.beam_modes import axial_modes, bending_modes
 from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel
 from solar_env.mechanics.equations.build import compile_mechanism
@@ -28,9 +29,12 @@ from solar_env.mechanics.modal.tables import (
     EVEN_FIRST,
     FORMS,
     GROUPS,
+    LANES,
     LOW,
     ODD_ENDS,
     ODD_FIRST,
+    RESOLVED,
+    STAGES,
     VALUES,
     Panels,
     Tables,
@@ -40,6 +44,9 @@ from solar_env.mechanics.modal.tables import (
 
 # Of pseudo-modes that stand for the modes that are left out, see `beam_modes`.
 _BLOCKS = 2
+# Frequency times step up to which damped modes are exact. The reactions of ideal joints follow modes at once, and grow
+# unstable where these pass at arbitrary phases.
+_EXACT, _EXACT_BESIDE_REACTIONS = 16.0, 4.0
 
 _Design = tuple[float, float, float, float, float, int]
 
@@ -95,17 +102,21 @@ def _panel_constants(chosen: _Design) -> Panels:
         # The lowest bending mode is even, the lowest axial mode odd.
         coupled=np.array([*_halves(coupled), *reversed(_halves(coupled_axial))]),
         damping=np.array([damping]),
+        exact=RESOLVED,
         modes=constants,
         forms=_packed_forms(*quadratic_forms(length, mass, coupled, coupled_axial), coupled)[None],
     )
 
 
 @lru_cache(maxsize=16)
-def compile_panels(designs: tuple[_Design, ...]) -> tuple[Panels, Tables]:
-    """Constants and tables of panels of some designs; they are read only and shared by all simulations."""
+def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, Tables]:
+    """Constants and tables of panels of some designs; they are read only and shared by all simulations.
+
+    A damped mode is exact up to a frequency times step of `exact`.
+    """
     parts = [_panel_constants(chosen) for chosen in designs]
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("damping", "modes", "forms")}
-    panels = parts[0]._replace(**joined)
+    panels = parts[0]._replace(exact=exact, **joined)
     return panels, filled_tables(panels)
 
 
@@ -156,7 +167,8 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         )
     designs = tuple(dict.fromkeys(design(panel) for panel in flexible))
     # Arrays need a design even where no body has one.
-    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),))
+    exact = _EXACT_BESIDE_REACTIONS if (rigid.joints["kind"] == IDEAL).any() else _EXACT
+    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),), exact)
     bodies, q, v = _bodies(described, designs, panels.frequency.shape[1])
     joints, loads = len(mechanism.joints), JOINT_LOADS * len(mechanism.joints) + len(mechanism.cables)
     rigid.cables["chord_sense"] = [chord_sense(mechanism, cable) for cable in mechanism.cables]
@@ -176,8 +188,9 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         q=q,
         v=v,
         loads=np.zeros(loads),
-        load_rates=np.zeros(loads),
-        coupling=np.zeros((len(flexible), GROUPS, LOW)),
+        course=np.zeros((loads, STAGES)),
+        coupling=np.zeros((len(flexible), GROUPS, LOW, LANES)),
+        damping_power=np.zeros(len(flexible)),
         views=np.zeros((joints, len(JointView._fields))),
         extremes=np.zeros(2),
         **{name: getattr(rigid_state, name) for name in shared},

@@ -2,8 +2,8 @@
 
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.joints.cable_loop import cable_torque
-from solar_env.mechanics.joints.contact import friction_share, normal_force, sliding_share
-from solar_env.mechanics.joints.torques import hinge_torques, torque_of_motion
+from solar_env.mechanics.joints.contact import depth_under, friction_share, normal_force, sliding_share
+from solar_env.mechanics.joints.torques import hinge_torques, stop_depth, torque_of_motion
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,
@@ -11,9 +11,11 @@ from solar_env.mechanics.modal.arrays import (
     SLIDING_SPEED,
     START,
     STRETCH,
+    TORQUE_ROW,
     VELOCITY_X,
     VELOCITY_Y,
 )
+from solar_env.mechanics.modal.tables import COLUMNS, END_RATE, LANES, STAGES
 from solar_env.mechanics.numerics.jit import kernel
 
 # Least time [s] over which a gap of an ideal joint is closed; and over the speed that errors may have, the greatest
@@ -43,8 +45,8 @@ def enter_row(work, s, n, r, by_value, by_rate, diagonal):
     row = work.matrix[s * n + r]
     for c in range(n):
         moved = work.mobility[r, c].response
-        for k in range(2):
-            row[k * n + c] = by_value * moved[4 * k + 2 * s] + by_rate * moved[4 * k + 2 * s + 1]
+        for k in range(STAGES):
+            row[k * n + c] = by_value * moved[COLUMNS * k + s] + by_rate * moved[COLUMNS * k + LANES + s]
     row[s * n + r] += diagonal
 
 
@@ -62,7 +64,14 @@ def contact_rows(model, state, work, s, n, r, renewed):
     """Rows of a contact's normal and tangential force, as of a torque."""
     j, first = work.unknowns[r].owner, work.unknowns[r].number
     joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion[s]
+    normal_load = work.loads[first].stage[s]
     force, _, by_depth, by_rate = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
+    # A stiff contact's depth answers its load by more than the law asks for: the law is then linearised at the depth
+    # that carries the load, not at the one that it has brought about.
+    if normal_load > 0.0:
+        depth, slope, elastic_by_rate = depth_under(joint, normal_load, motion[DEPTH_RATE], own.impact_speed)
+        if slope * abs(work.mobility[r, r].response[COLUMNS * s + s]) > 1.0:
+            force, by_depth, by_rate = normal_load + slope * (motion[DEPTH] - depth), slope, elastic_by_rate
     share, by_slip = friction_share(joint, motion[SLIDING_SPEED])
     speed, tried = motion[SLIDING_SPEED], work.joints[j].tried[s]
     tried[0 if speed < 0.0 else 1] = speed
@@ -73,7 +82,6 @@ def contact_rows(model, state, work, s, n, r, renewed):
         by_slip = (share - before) / (speed - other)
     by_slip *= sliding_share(joint, motion[DEPTH])
     share, by_slip = -joint.friction_coefficient * share, -joint.friction_coefficient * by_slip
-    normal_load = work.loads[first].stage[s]
     pressing = max(normal_load, 0.0)
     work.correction[s * n + r] = force - normal_load
     work.correction[s * n + r + 1] = share * pressing - work.loads[first + 1].stage[s]
@@ -85,11 +93,25 @@ def contact_rows(model, state, work, s, n, r, renewed):
 
 
 @kernel
+def piece_of_law(joint, joint_state, motion, kind):
+    """Number, below 31, of the piece of its law in which a torque or a contact is."""
+    if kind == TORQUE_ROW:
+        depth, direction = stop_depth(joint, joint_state.latched, motion[ANGLE])
+        return 0 if depth <= 0.0 else (1 if direction > 0.0 else 2)
+    speed = abs(motion[SLIDING_SPEED])
+    piece = (1 if motion[DEPTH] > 0.0 else 0) + (2 if motion[SLIDING_SPEED] < 0.0 else 0)
+    return piece + (4 if speed > joint.friction_speed_zero else 0) + (8 if speed >= joint.friction_speed_full else 0)
+
+
+@kernel
 def reaction_row(work, s, n, r, h, renewed):
     """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity."""
     j, kind = work.unknowns[r].owner, work.unknowns[r].kind
     own = work.mobility[r, r].response
-    scale = 1.0 / (abs(own[3]) + abs(own[7]))
+    gain = 0.0
+    for k in range(STAGES):
+        gain += abs(own[COLUMNS * k + END_RATE])
+    scale = 1.0 / gain
     column = VELOCITY_X if kind == REACTION_X_ROW else VELOCITY_Y
     rate, before = work.joints[j].motion[s, column], -work.joints[j].motion[START, column]
     gap = work.joints[j].motion[START, ECCENTRICITY_X if kind == REACTION_X_ROW else ECCENTRICITY_Y]

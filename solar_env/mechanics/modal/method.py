@@ -19,7 +19,6 @@ from solar_env.mechanics.modal.arrays import (
     NORMAL_X,
     NORMAL_Y,
     RIGID_BODY,
-    SECOND,
     SLIDING_SPEED,
     START,
     VELOCITY_X,
@@ -29,13 +28,22 @@ from solar_env.mechanics.modal.books import add_integrals, cubic
 from solar_env.mechanics.modal.equations import fill_torques
 from solar_env.mechanics.modal.motion import force_of, look_at
 from solar_env.mechanics.modal.solve import ModalSettings, solve_step
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, LEVELS, fill_level, level_below, level_size
+from solar_env.mechanics.modal.tables import (
+    AXIAL_EVEN,
+    GROUPS,
+    LAST,
+    LEVELS,
+    STAGES,
+    fill_level,
+    level_below,
+    level_size,
+)
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController
 from solar_env.mechanics.records.history import step_limit
 
-CONTROL = StepController(4.0, most_growth=4.0, memory=0.25)
+CONTROL = StepController(5.0, most_growth=4.0, memory=0.25)
 _FIRST_STEP = 1e-4  # s
 # Level of tables for one step size, of the type of other levels: of another one kernels would be compiled anew.
 _CUT = np.int64(0)
@@ -56,6 +64,14 @@ def convert_settings(chosen: Any) -> ModalSettings:
     )
 
 
+@kernel
+def set_load(state, k, load):
+    """Set a load, and its course, on from the present state."""
+    state.loads[k] = load
+    for s in range(STAGES):
+        state.course[k, s] = load
+
+
 @kernel(inlined=False)
 def start_loads(model, state, work):
     """Torques of the laws at the start of a run."""
@@ -63,7 +79,7 @@ def start_loads(model, state, work):
     note_extremes(model, state, work, state.v)
     fill_torques(model, state, work, START)
     for k in range(model.joints.size + model.cables.size):
-        state.loads[k] = work.loads[k].law
+        set_load(state, k, work.loads[k].law)
     take_motion(model, state, work)
 
 
@@ -85,7 +101,8 @@ def begin_modal(model, state, settings, work):
     clock = state.clock[0]
     start_at_state(state, work)
     for k in range(work.loads.size):
-        work.loads[k].stage[0] = work.loads[k].stage[1] = state.loads[k]
+        for s in range(STAGES):
+            work.loads[k].stage[s] = state.loads[k]
     look_at(model, state.q, state.v, work, START)
     take_motion(model, state, work)
     if clock.step_size <= 0.0:
@@ -168,7 +185,7 @@ def angle_of_modal(model, state, work, j, h, share):
 @kernel
 def along(work, j, value, rate, h, share):
     """Value at a share of the step of the cubic through two columns of a joint's motion, a value and its rate."""
-    start, end = work.joints[j].motion[START], work.joints[j].motion[SECOND]
+    start, end = work.joints[j].motion[START], work.joints[j].motion[LAST]
     return cubic(share, start[value], h * start[rate], end[value], h * end[rate])
 
 
@@ -187,7 +204,7 @@ def commit_modal(model, state, settings, work, h, share):
     copy_into(state.q, work.q)
     copy_into(state.v, work.v)
     copy_into(state.integrals, work.integrals)
-    keep_loads(state, work, h)
+    keep_loads(state, work)
     state.clock[0].last_step = h
     state.clock[0].acceleration_current = EXACT
     take_motion(model, state, work)
@@ -243,8 +260,8 @@ def open_contact(model, state, work, j):
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
     share, _ = friction_share(joint, motion[SLIDING_SPEED])
     k = force_of(model, j)
-    state.loads[k], state.loads[k + 1] = normal, -joint.friction_coefficient * share * normal
-    state.load_rates[k] = state.load_rates[k + 1] = 0.0
+    set_load(state, k, normal)
+    set_load(state, k + 1, -joint.friction_coefficient * share * normal)
     return instantaneous_inverse_mass(model, work, j)
 
 
@@ -254,4 +271,4 @@ def resume_modal(model, state, work):
     for j in range(model.joints.size):
         if model.joints[j].kind == CLEARANCE and not state.joints[j].in_contact:
             for k in range(force_of(model, j), force_of(model, j) + 2):
-                state.loads[k] = state.load_rates[k] = 0.0
+                set_load(state, k, 0.0)

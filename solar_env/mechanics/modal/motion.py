@@ -34,7 +34,9 @@ from solar_env.mechanics.modal.tables import (
     BENDING_EVEN,
     BENDING_ODD,
     GROUPS,
+    LANES,
     NODES,
+    STAGES,
     VALUES,
     A,
     B,
@@ -56,15 +58,15 @@ def add_load(model, work, stage, number, fx, fy, torque):
     own.load[stage, 2] += torque + arm[stage, 0] * fy - arm[stage, 1] * fx
     p = model.bodies[attachment.body].panel
     if p != RIGID_BODY:
-        load = work.panels[p].load[stage]
+        load = work.panels[p].load
         c, s = own.turn[stage, 0], own.turn[stage, 1]
         along, across, odd = c * fx + s * fy, c * fy - s * fx, side(attachment.end)
-        load[BENDING_EVEN, 0] += across
-        load[BENDING_EVEN, 1] += odd * torque
-        load[BENDING_ODD, 0] += odd * across
-        load[BENDING_ODD, 1] += torque
-        load[AXIAL_EVEN, 0] += along
-        load[AXIAL_ODD, 0] += odd * along
+        load[BENDING_EVEN, 0, stage] += across
+        load[BENDING_EVEN, 1, stage] += odd * torque
+        load[BENDING_ODD, 0, stage] += odd * across
+        load[BENDING_ODD, 1, stage] += torque
+        load[AXIAL_EVEN, 0, stage] += along
+        load[AXIAL_ODD, 0, stage] += odd * along
 
 
 @kernel
@@ -118,22 +120,22 @@ def face_load(model, cable, motion, face, torque, ratio):
 
 @kernel
 def distribute_loads(model, state, work):
-    """Fill the loads of bodies and ends at both stages from those of joints and loops, in the directions there now."""
+    """Fill the loads of bodies and ends at the stages from those of joints and loops, in the directions there now."""
     for b in range(model.bodies.size):
-        for s in range(2):
+        for s in range(STAGES):
             for i in range(3):
                 work.bodies[b].load[s, i] = 0.0
     for p in range(work.panels.size):
         own = work.panels[p]
-        for s in range(2):
-            for group in range(GROUPS):
-                for i in range(VALUES):
-                    # What foreshortening does to the rest of the end values is a load of the ends.
-                    bending, rest = group < AXIAL_EVEN, model.panels.coupled[group] + i
-                    own.load[s, group, i] = own.coupling[s, group, rest] if bending else 0.0
+        for group in range(GROUPS):
+            for i in range(VALUES):
+                # What foreshortening does to the rest of the end values is a load of the ends.
+                bending, rest = group < AXIAL_EVEN, model.panels.coupled[group] + i
+                for s in range(LANES):
+                    own.load[group, i, s] = own.coupling[group, rest, s] if bending else 0.0
     for j in range(model.joints.size):
         joint, first = model.joints[j], force_of(model, j)
-        for s in range(2):
+        for s in range(STAGES):
             torque = work.loads[j].stage[s] + state.joints[j].motor_torque
             force, motion = (work.loads[first].stage[s], work.loads[first + 1].stage[s]), work.joints[j].motion[s]
             fx, fy, outboard, inboard = outboard_load(joint, motion, force[0], force[1], torque)
@@ -141,7 +143,7 @@ def distribute_loads(model, state, work):
             add_load(model, work, s, joint.inboard, -fx, -fy, inboard)
     for c in range(model.cables.size):
         cable, load = model.cables[c], work.loads[model.joints.size + c].stage
-        for s in range(2):
+        for s in range(STAGES):
             for face in range(FACES):
                 motion = work.cables[c].motion[s]
                 fx, fy, torque = face_load(model, cable, motion, face, load[s], cable.torque_ratio)
@@ -162,20 +164,22 @@ def turned(cosine, sine, angle):
 
 @kernel
 def stage_frames(model, state, work, h):
-    """Centres of mass and angles of the bodies at both stages, with their rates."""
+    """Centres of mass and angles of the bodies at the stages, with their rates."""
     for b in range(model.bodies.size):
         body, own = model.bodies[b], work.bodies[b]
         for i in range(3):
             inverse = body.inverse_mass if i < 2 else body.inverse_inertia
-            first, second = own.load[0, i] * inverse, own.load[1, i] * inverse
-            if i < 2 and inverse > 0.0:
-                first += model.gravity[i]
-                second += model.gravity[i]
+            pull = model.gravity[i] if i < 2 and inverse > 0.0 else 0.0
             x, v = state.q[body.offset + i], state.v[body.offset + i]
-            for s in range(2):
-                own.place[s, i] = x + h * (NODES[s] * v + h * (B[s][0] * first + B[s][1] * second))
-                own.speed[s, i] = v + h * (A[s][0] * first + A[s][1] * second)
-        for s in range(2):
+            for s in range(STAGES):
+                moved, gained = 0.0, 0.0
+                for k in range(STAGES):
+                    acceleration = own.load[k, i] * inverse + pull
+                    moved += B[s][k] * acceleration
+                    gained += A[s][k] * acceleration
+                own.place[s, i] = x + h * (NODES[s] * v + h * moved)
+                own.speed[s, i] = v + h * gained
+        for s in range(STAGES):
             angle = own.place[s, 2] - own.place[START, 2]
             own.turn[s, 0], own.turn[s, 1] = turned(own.turn[START, 0], own.turn[START, 1], angle)
 
@@ -186,7 +190,7 @@ def move_attachments(model, work, slot):
 
     The motion of the ends is that of the stage; other slots keep theirs where the first stage has its own.
     """
-    column = 2 * (slot if slot < 2 else 0)
+    column = slot if slot < STAGES else 0
     for number in range(model.attachments.size):
         attachment, own = model.attachments[number], work.attachments[number]
         body = work.bodies[attachment.body]
@@ -199,11 +203,11 @@ def move_attachments(model, work, slot):
             x += ends[AXIAL_EVEN, 0, column] + odd * ends[AXIAL_ODD, 0, column]
             y += ends[BENDING_EVEN, 0, column] + odd * ends[BENDING_ODD, 0, column]
             turn += odd * ends[BENDING_EVEN, 1, column] + ends[BENDING_ODD, 1, column]
-            column += 1
+            column += LANES
             x_rate = ends[AXIAL_EVEN, 0, column] + odd * ends[AXIAL_ODD, 0, column]
             y_rate = ends[BENDING_EVEN, 0, column] + odd * ends[BENDING_ODD, 0, column]
             spin += odd * ends[BENDING_EVEN, 1, column] + ends[BENDING_ODD, 1, column]
-            column -= 1
+            column -= LANES
         c, s = body.turn[slot, 0], body.turn[slot, 1]
         ax, ay = c * x - s * y, s * x + c * y
         own.local[slot, 0], own.local[slot, 1] = x, y

@@ -1,36 +1,36 @@
-"""One step of the two-stage Radau IIA method on the loads of the joints: Newton's iteration.
+"""One step of the three-stage Radau IIA method on the loads of the joints: Newton's iteration.
 
-Third order, stiffly accurate, L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
+Fifth order, stiffly accurate, L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
 Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Directions, lever arms and foreshortening are those of the
-stages, renewed in every iteration; the matrix takes them from the first one. With ideal joints the relative velocity
-vanishes at the stages, less a share that returns the position.
+stages, renewed in every iteration; the matrix takes them from the first one, and is kept while the laws of the loads
+stay in the same pieces. With ideal joints the relative velocity vanishes at the stages, less a share that returns the
+position.
 """
 
 import math
 from typing import NamedTuple
 
-from solar_env.mechanics.arrays.columns import ANGLE, RATE
+from solar_env.mechanics.arrays.columns import RATE
 from solar_env.mechanics.arrays.model import CLEARANCE, IDEAL
-from solar_env.mechanics.joints.contact import sliding_share
 from solar_env.mechanics.modal.arrays import (
-    CABLE_COLUMNS,
+    ACROSS_X,
+    ACROSS_Y,
     CABLE_ROW,
     DEPTH,
-    DEPTH_RATE,
-    MOTION_COLUMNS,
+    LEVER,
     NORMAL_ROW,
+    NORMAL_X,
+    NORMAL_Y,
     REACTION_X_ROW,
     RIGID_BODY,
-    SECOND,
-    SLIDING_SPEED,
-    SLIP,
     START,
-    STRETCH,
     TANGENTIAL_ROW,
     TORQUE_ROW,
+    VELOCITY_X,
+    VELOCITY_Y,
 )
 from solar_env.mechanics.modal.ends import add_modal_forces, couple, forced_ends, free_ends, shorten_ends
-from solar_env.mechanics.modal.equations import contact_rows, fill_torques, reaction_row, torque_row
+from solar_env.mechanics.modal.equations import contact_rows, fill_torques, piece_of_law, reaction_row, torque_row
 from solar_env.mechanics.modal.motion import (
     distribute_loads,
     force_of,
@@ -39,20 +39,38 @@ from solar_env.mechanics.modal.motion import (
     move_joints,
     stage_frames,
 )
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, NODES
+from solar_env.mechanics.modal.tables import (
+    AXIAL_EVEN,
+    COLUMNS,
+    END_RATE,
+    GROUPS,
+    LANES,
+    LAST,
+    LOW,
+    NODES,
+    POLYNOMIAL,
+    RATE_AT_END,
+    STAGES,
+)
 from solar_env.mechanics.modal.unknowns import DEVIATION, fill_mobility, list_rows
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
+from solar_env.mechanics.numerics.linear import lu_factor, lu_solve
 
-_MOST_ITERATIONS = 30
-# Foreshortening is of second order: its forces are renewed in so many iterations.
-_COUPLED_ITERATIONS = 2
-# Correction over the tolerance after which motion and matrix are not renewed.
-_SMALL = 30.0
-# Displacement by a correction, over the clearance, above which motion is renewed.
-_SHIFT = 1e-3
+_MOST_ITERATIONS = 15
+# Foreshortening is of second order: its forces, which go on along their course, are renewed in so many iterations; with
+# ideal joints in the later ones, too.
+_COUPLED_ITERATIONS = 1
+_LATE = 3
+# The matrix is kept while the correction shrinks to this share of the one before, up to so many iterations.
+_SHRINKING = 0.1
+_KEPT_ITERATIONS = 8
 # The iteration ends where the corrections to come are less than this share of the tolerance.
-_CONVERGED = 0.05
+_CONVERGED = 0.01
+_HOPELESS = 1e12
+# Over the last step, up to which a load's course is followed into the next one; beyond it goes on along its tangent.
+_FOLLOWED = 1.6
+# Greatest turn [rad] of a line of centres that is foreseen.
+_GREATEST_TURN = 0.5
 # Least depth that counts, over the predicted greatest depth of the impact.
 _LEAST_DEPTH = 0.05
 _HERTZ = 2.943275
@@ -77,42 +95,75 @@ class ModalSettings(NamedTuple):
 
 
 @kernel
+def foresee(state, work, h):
+    """Fill the weights with which the loads at the stages of the last step foretell those of a step `h` [s]."""
+    last = state.clock[0].last_step
+    for s in range(LANES):
+        later = NODES[min(s, LAST)] * h / last if last > 0.0 else 0.0
+        for k in range(STAGES):
+            if h <= _FOLLOWED * last:
+                value, share = 0.0, 1.0 + later
+                for down in range(STAGES):
+                    value = value * share + POLYNOMIAL[k][LAST - down]
+            else:
+                value = (1.0 if k == LAST else 0.0) + RATE_AT_END[k] * later
+            work.step[0].foreseen[k, s] = value
+
+
+@kernel
 def start_stages(model, state, work, h):
-    """First guess of the stages: directions of the start, loads along the last step's polynomial."""
+    """First guess of the stages: directions by their rates at the start, loads along their course in the last step."""
+    foreseen = work.step[0].foreseen
     for b in range(model.bodies.size):
-        own = work.bodies[b]
-        # The directions at the stage, but for the loads of the step.
-        c, s0 = own.turn[START, 0], own.turn[START, 1]
-        for s in range(2):
-            angle = NODES[s] * h * own.speed[START, 2]
-            own.turn[s, 0], own.turn[s, 1] = c - s0 * angle, s0 + c * angle
+        body = work.bodies[b]
+        c, s0 = body.turn[START, 0], body.turn[START, 1]
+        for s in range(STAGES):
+            angle = NODES[s] * h * body.speed[START, 2]
+            body.turn[s, 0], body.turn[s, 1] = c - s0 * angle, s0 + c * angle
     for number in range(model.attachments.size):
-        arm = work.attachments[number].arm
-        for s in range(2):
-            arm[s, 0], arm[s, 1] = arm[START, 0], arm[START, 1]
+        attachment, body = work.attachments[number], work.bodies[model.attachments[number].body]
+        for s in range(STAGES):
+            for i in range(2):
+                rate = attachment.point_rate[START, i] - body.speed[START, i]
+                attachment.arm[s, i] = attachment.arm[START, i] + NODES[s] * h * rate
     for p in range(work.panels.size):
-        for s in range(2):
-            copy_rows(work.panels[p].coupling[s], state.coupling[p])
-    for s in range(2):
-        for k in range(work.loads.size):
-            work.loads[k].stage[s] = state.loads[k] + NODES[s] * h * state.load_rates[k]
-        for j in range(model.joints.size):
-            motion, tried = work.joints[j].motion, work.joints[j].tried[s]
-            for c in range(MOTION_COLUMNS):
-                motion[s, c] = motion[START, c]
-            tried[0] = tried[1] = 0.0
-            if model.joints[j].kind == CLEARANCE:
+        before, panel = state.coupling[p], work.panels[p]
+        for group in range(GROUPS):
+            for r in range(LOW):
+                for s in range(LANES):
+                    total = 0.0
+                    for k in range(STAGES):
+                        total += foreseen[k, s] * before[group, r, k]
+                    panel.coupling[group, r, s] = total
+    for k in range(work.loads.size):
+        for s in range(STAGES):
+            total = 0.0
+            for i in range(STAGES):
+                total += foreseen[i, s] * state.course[k, i]
+            work.loads[k].stage[s] = total
+    for j in range(model.joints.size):
+        joint, start, scratch = model.joints[j], work.joints[j].motion[START], work.joints[j]
+        if joint.kind == CLEARANCE:
+            nx, ny = start[NORMAL_X], start[NORMAL_Y]
+            radius = start[LEVER] - joint.journal_radius
+            spin = (start[VELOCITY_Y] * nx - start[VELOCITY_X] * ny) / radius if radius > 0.0 else 0.0
+            for s in range(STAGES):
+                turn = min(max(NODES[s] * h * spin, -_GREATEST_TURN), _GREATEST_TURN)
+                size, motion = 1.0 / math.sqrt(1.0 + turn * turn), scratch.motion[s]
+                motion[NORMAL_X], motion[NORMAL_Y] = (nx - ny * turn) * size, (ny + nx * turn) * size
+                motion[LEVER] = start[LEVER]
                 normal = work.loads[force_of(model, j)].stage
                 normal[s] = max(normal[s], 0.0)
-        for c in range(model.cables.size):
-            motion = work.cables[c].motion
-            for k in range(CABLE_COLUMNS):
-                motion[s, k] = motion[START, k]
+                scratch.tried[s, 0] = scratch.tried[s, 1] = 0.0
+    for c in range(model.cables.size):
+        motion = work.cables[c].motion
+        for s in range(STAGES):
+            motion[s, ACROSS_X], motion[s, ACROSS_Y] = motion[START, ACROSS_X], motion[START, ACROSS_Y]
 
 
 @kernel
 def move_stages(model, state, work, tables, level, h, coupled):
-    """Motion of bodies, attachments and joints at both stages under the present loads.
+    """Motion of bodies, attachments and joints at the stages under the present loads.
 
     Where `coupled`, the forces of foreshortening are renewed; they belong to amplitudes under those of before.
     """
@@ -121,16 +172,15 @@ def move_stages(model, state, work, tables, level, h, coupled):
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
-            own, answers = work.panels[p], tables.answers[d, level]
-            forced_ends(own, tables.responses[d, level].response, GROUPS)
+            panel, answers = work.panels[p], tables.answers[d, level]
+            forced_ends(panel, tables.responses[d, level].response, GROUPS)
             if coupled:
-                couple(model.panels, own, answers, d)
+                couple(model.panels, panel, answers, d)
                 # The forces on the rest of the end values are among the loads.
-                forced_ends(own, tables.responses[d, level].response, AXIAL_EVEN)
-            add_modal_forces(model.panels, own, answers, d)
-            for s in range(2):
-                shorten_ends(own, s)
-    for s in range(2):
+                forced_ends(panel, tables.responses[d, level].response, AXIAL_EVEN)
+            add_modal_forces(model.panels, panel, answers, d)
+            shorten_ends(panel)
+    for s in range(STAGES):
         move_attachments(model, work, s)
         move_joints(model, work, s)
         move_cables(model, work, s)
@@ -157,14 +207,16 @@ def set_tolerances(state, work, settings, h, n):
             continue
         # Without signs: a vibration may have turned back by the end of the step.
         response = work.mobility[r, r].response
-        gain = DEVIATION * (abs(response[3]) + abs(response[7]))
+        gain = 0.0
+        for k in range(STAGES):
+            gain += DEVIATION * abs(response[COLUMNS * k + END_RATE])
         load.tolerance = limit / gain
         if kind == NORMAL_ROW:
             own = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
-            depth = max(work.joints[j].motion[SECOND, DEPTH], work.joints[j].motion[START, DEPTH], least)
+            depth = max(work.joints[j].motion[LAST, DEPTH], work.joints[j].motion[START, DEPTH], least)
             # A load that is off moves a stiff contact's depth by no more than its own share.
-            share = _LOAD_SHARE * settings.rtol * max(load.stage[1], state.loads[work.unknowns[r].number])
+            share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.loads[work.unknowns[r].number])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
             load.tolerance = min(load.tolerance, from_depth)
@@ -178,7 +230,7 @@ def correct_loads(model, state, work, n, h, renewed):
     matrix is singular or a change is not finite.
     """
     size, apart, total = 0.0, 0.0, 0.0
-    for s in range(2):
+    for s in range(STAGES):
         fill_torques(model, state, work, s)
         for r in range(n):
             kind = work.unknowns[r].kind
@@ -196,10 +248,10 @@ def correct_loads(model, state, work, n, h, renewed):
                 total += change
                 apart = max(apart, abs(change) / load.tolerance)
     if n > 0:
-        if renewed and not lu_factor(work.matrix, 2 * n):
+        if renewed and not lu_factor(work.matrix, STAGES * n):
             return math.inf, math.inf
-        lu_solve(work.matrix, 2 * n, work.correction)
-    for s in range(2):
+        lu_solve(work.matrix, STAGES * n, work.correction)
+    for s in range(STAGES):
         for r in range(n):
             change, load = work.correction[s * n + r], work.loads[work.unknowns[r].number]
             load.stage[s] += change
@@ -209,38 +261,15 @@ def correct_loads(model, state, work, n, h, renewed):
 
 
 @kernel
-def shift_stages(model, work, n):
-    """Change the joints' motion at the stages by what the latest correction of the loads does, to first order.
-
-    It is for joints with clearance: a reaction's correction has no first order that would do. Returns the greatest
-    displacement over the clearance, to say how much the first order leaves out.
-    """
-    greatest = 0.0
+def pieces_of_laws(model, state, work, n):
+    """A number that tells in which pieces of their laws the unknown loads are at the stages."""
+    pieces = 0
     for r in range(n):
-        j, kind = work.unknowns[r].owner, work.unknowns[r].kind
-        joint = model.joints[model.cables[j].joint_b if kind == CABLE_ROW else j]
-        for s in range(2):
-            value, rate = 0.0, 0.0
-            for c in range(n):
-                own = work.mobility[r, c].response
-                for k in range(2):
-                    value += own[4 * k + 2 * s] * work.correction[k * n + c]
-                    rate += own[4 * k + 2 * s + 1] * work.correction[k * n + c]
-            motion = work.joints[j].motion[s]
-            if kind == CABLE_ROW:
-                work.cables[j].motion[s, STRETCH] -= value
-            elif kind == TORQUE_ROW:
-                motion[ANGLE] += value
-                motion[RATE] += rate
-            elif kind == NORMAL_ROW:
-                motion[DEPTH] -= value
-                motion[DEPTH_RATE] -= rate
-            else:
-                motion[SLIP] += rate
-                motion[SLIDING_SPEED] += rate * sliding_share(joint, motion[DEPTH])
-            lever = model.length_scale if kind in (TORQUE_ROW, CABLE_ROW) else 1.0
-            greatest = max(greatest, abs(value) * lever / joint.clearance)
-    return greatest
+        kind, j = work.unknowns[r].kind, work.unknowns[r].owner
+        if kind in (TORQUE_ROW, NORMAL_ROW):
+            for s in range(STAGES):
+                pieces = 31 * pieces + piece_of_law(model.joints[j], state.joints[j], work.joints[j].motion[s], kind)
+    return pieces
 
 
 @kernel
@@ -249,7 +278,7 @@ def furthest_off(model, work, n):
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
-        for s in range(2):
+        for s in range(STAGES):
             change = abs(work.correction[s * n + r]) / work.loads[work.unknowns[r].number].tolerance
             if change > greatest:
                 joint, greatest = model.cables[owner].joint_b if kind == CABLE_ROW else owner, change
@@ -264,38 +293,41 @@ def solve_step(model, state, work, settings, tables, level, h):
         if body.panel != RIGID_BODY:
             answers, first = tables.answers[body.design, level], body.offset + 3
             last = first + answers.size
-            own, d = work.panels[body.panel], body.design
-            free_ends(model.panels, own, answers, d, state.q[first:last], state.v[first:last])
+            panel, d = work.panels[body.panel], body.design
+            free_ends(model.panels, panel, answers, d, state.q[first:last], state.v[first:last])
     work.step[0].velocity_tolerance = velocity_tolerance(model, work, settings)
+    foresee(state, work, h)
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
     work.step[0].unknowns, work.trial[0].joint = n, -1
-    before, renewed, constrained = math.inf, True, False
+    before, renewed, constrained, solved = math.inf, True, False, 0
     for r in range(n):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
     for iteration in range(_MOST_ITERATIONS):
         state.clock[0].evaluations += 1
-        if not renewed:
-            renewed = shift_stages(model, work, n) > _SHIFT
-        if renewed:
-            # A reaction holds the joint where foreshortening has it: it must not be left behind.
-            move_stages(model, state, work, tables, level, h, constrained or iteration < _COUPLED_ITERATIONS)
+        # A reaction holds the joint where foreshortening has it: it must not be left behind.
+        coupled = iteration < _COUPLED_ITERATIONS or (constrained and (iteration == 1 or iteration >= _LATE))
+        move_stages(model, state, work, tables, level, h, coupled)
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
         set_tolerances(state, work, settings, h, n)
+        pieces = pieces_of_laws(model, state, work, n)
+        renewed = renewed or pieces != solved
+        if renewed:
+            solved = pieces
         size, apart = correct_loads(model, state, work, n, h, renewed)
-        if size == math.inf:
+        shrinking = size < _SHRINKING * before
+        size = max(size, apart)
+        if not size < _HOPELESS:
             return False
-        # A small correction leaves the matrix and all directions as they are; a second one in a row does not.
-        renewed = constrained or not (renewed and size < _SMALL and apart <= _CONVERGED)
         # Of the corrections to come, by the rate at which they shrink; but a relative velocity that is left in an ideal
         # joint would be a blow in the next step. A first correction may do without contacts and reactions, whose
         # directions are not known before.
-        size = max(size, apart)
         left = size * size / (before - size) if size < before < math.inf and not constrained else size
         if min(left, size) <= _CONVERGED and (iteration > 0 or n == 0):
             return True
+        renewed = (iteration > 0 and not shrinking) or iteration >= _KEPT_ITERATIONS
         before = size
     work.trial[0].joint = furthest_off(model, work, n)
     return False

@@ -1,4 +1,4 @@
-"""Unknown loads of a step, and how the joints' motion at both stages answers them.
+"""Unknown loads of a step, and how the joints' motion at the stages answers them.
 
 A unit of an unknown loads the two bodies of its joint. By reciprocity, the same row of loads reads off the motion that
 the unknown works on: a joint angle, minus a depth, a sliding speed, a component of the relative velocity.
@@ -15,19 +15,33 @@ from solar_env.mechanics.modal.arrays import (
     REACTION_X_ROW,
     REACTION_Y_ROW,
     RIGID_BODY,
-    SECOND,
     TANGENTIAL_ROW,
     TORQUE_ROW,
 )
 from solar_env.mechanics.modal.motion import cable_attachment, face_load, force_of, outboard_load
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, A, B, side
+from solar_env.mechanics.modal.tables import (
+    AXIAL_EVEN,
+    AXIAL_ODD,
+    BENDING_EVEN,
+    BENDING_ODD,
+    BY_LOAD,
+    COLUMNS,
+    END_RATE,
+    END_VALUE,
+    LANES,
+    LAST,
+    STAGES,
+    A,
+    B,
+    side,
+)
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
 # Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
 _SOFT = 0.05
-# A load that is off by the deviation of its course from the collocation polynomial moves its body by a twelfth of what
-# the same load would if it were constant: the second integral of (1 - 3 t)(1 - t), over one half.
+# Share of the velocity by a constant load that counts where a load's course is off by as much at the start of a step: at
+# the stages it is exact, and its integral over the step is of higher order.
 DEVIATION = 1.0 / 12.0
 # Least torque ratio of a cable loop that tells of errors at the inner wheel.
 _LEAST_RATIO = 1e-3
@@ -44,10 +58,13 @@ def effect_of_torque(model, tables, level, h, j):
         velocity += math.hypot(attachment.x, attachment.y) * body.inverse_inertia * h
         if body.panel != RIGID_BODY:
             response = tables.responses[body.design, level].response
-            even, odd = response[BENDING_EVEN, 1, 1], response[BENDING_ODD, 1, 1]
-            angle += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
-            even, odd = response[BENDING_EVEN, 0, 1], response[BENDING_ODD, 0, 1]
-            velocity += abs(even[3] + odd[3] + even[7] + odd[7])
+            turned, moved = 0.0, 0.0
+            for k in range(STAGES):
+                value, rate = COLUMNS * k + END_VALUE, COLUMNS * k + END_RATE
+                turned += abs(response[BENDING_EVEN, 1, 1, value] + response[BENDING_ODD, 1, 1, value])
+                moved += response[BENDING_EVEN, 0, 1, rate] + response[BENDING_ODD, 0, 1, rate]
+            angle += turned
+            velocity += abs(moved)
     return angle, velocity
 
 
@@ -98,21 +115,21 @@ def list_rows(model, state, work, tables, level, h):
 
 @kernel
 def enter_load(model, work, number, fx, fy, torque, load):
-    """Enter a load on an attachment as its body's frame has it, in the directions of the second stage."""
+    """Enter a load on an attachment as its body's frame has it, in the directions of the last stage."""
     body, local = work.bodies[model.attachments[number].body], work.attachments[number].local
-    c, s = body.turn[SECOND, 0], body.turn[SECOND, 1]
+    c, s = body.turn[LAST, 0], body.turn[LAST, 1]
     along, across = c * fx + s * fy, c * fy - s * fx
     load[0], load[1], load[2] = along, across, torque
-    load[3] = torque + local[SECOND, 0] * across - local[SECOND, 1] * along
+    load[3] = torque + local[LAST, 0] * across - local[LAST, 1] * along
 
 
 @kernel
 def fill_unit_loads(model, work, n):
-    """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
+    """Unit loads of the unknowns in the frames of their bodies, as the last stage has them."""
     for r in range(n):
         own = work.unknowns[r]
         if own.kind == CABLE_ROW:
-            cable, motion = model.cables[own.owner], work.cables[own.owner].motion[SECOND]
+            cable, motion = model.cables[own.owner], work.cables[own.owner].motion[LAST]
             for face in range(FACES):
                 fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.torque_ratio)
                 enter_load(model, work, own.attachment[face], fx, fy, torque, own.load[face])
@@ -122,7 +139,7 @@ def fill_unit_loads(model, work, n):
             first = 1.0 if own.kind in (NORMAL_ROW, REACTION_X_ROW) else 0.0
             second = 1.0 if own.kind in (TANGENTIAL_ROW, REACTION_Y_ROW) else 0.0
             torque = 1.0 if own.kind == TORQUE_ROW else 0.0
-            joint, motion = model.joints[own.owner], work.joints[own.owner].motion[SECOND]
+            joint, motion = model.joints[own.owner], work.joints[own.owner].motion[LAST]
             fx, fy, outboard, inboard = outboard_load(joint, motion, first, second, torque)
             for face in range(2):
                 sign, torque = (1.0, outboard) if face == 0 else (-1.0, inboard)
@@ -134,7 +151,7 @@ def fill_unit_loads(model, work, n):
 def move_ends(response, load, odd, motion):
     """Motion of both ends of a panel, along, across and turning, by a load at the end where `odd` is `side`."""
     along, across, torque = load[0], load[1], load[2]
-    for c in range(8):
+    for c in range(BY_LOAD):
         even = response[BENDING_EVEN, 0, 0, c] * across + response[BENDING_EVEN, 0, 1, c] * odd * torque
         other = response[BENDING_ODD, 0, 0, c] * odd * across + response[BENDING_ODD, 0, 1, c] * torque
         motion[0, 1, c], motion[1, 1, c] = even + other, even - other
@@ -153,11 +170,11 @@ def add_shared(body, first, second, motion, rigid, shared):
     """
     share = (first[0] * second[0] + first[1] * second[1]) * body.inverse_mass
     share += first[3] * second[3] * body.inverse_inertia
-    for c in range(8):
+    for c in range(BY_LOAD):
         shared[c] += share * rigid[c]
     if body.panel != RIGID_BODY:
         along, across, torque = first[0], first[1], first[2]
-        for c in range(8):
+        for c in range(BY_LOAD):
             shared[c] += along * motion[0, c] + across * motion[1, c] + torque * motion[2, c]
 
 
@@ -165,7 +182,7 @@ def add_shared(body, first, second, motion, rigid, shared):
 def share_motion(model, work, p, q):
     """Fill the motion that unknown `p` reads off by a unit of unknown `q`."""
     shared = work.mobility[p, q].response
-    for c in range(8):
+    for c in range(BY_LOAD):
         shared[c] = 0.0
     own, other = work.unknowns[p], work.unknowns[q]
     for face in range(own.faces):
@@ -179,11 +196,12 @@ def share_motion(model, work, p, q):
 
 @kernel
 def fill_mobility(model, work, tables, level, h, n):
-    """Motion that each unknown works on by a unit of each other, at both stages."""
+    """Motion that each unknown works on by a unit of each other, at the stages."""
     fill_unit_loads(model, work, n)
-    for s in range(2):
-        for k in range(2):
-            work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
+    for k in range(STAGES):
+        for s in range(LANES):
+            at = min(s, LAST)
+            work.rigid[COLUMNS * k + s], work.rigid[COLUMNS * k + LANES + s] = h * h * B[at][k], h * A[at][k]
     for q in range(n):
         own = work.unknowns[q]
         for face in range(own.faces):

@@ -145,7 +145,7 @@ METHODS: dict[str, Method] = {
     settings.RungeKutta.name: _IN_STAGES,
     settings.Rosenbrock.name: _IN_STAGES,
     settings.ModalRadau.name: Method(
-        3,
+        5,
         ModalSettings,
         modal.convert_settings,
         make_workspace,

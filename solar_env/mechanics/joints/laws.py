@@ -94,12 +94,19 @@ class PowerLaw:
 
     @staticmethod
     def depth_and_slopes(
-        parameters: Sequence[float], load: float, rate: float, impact_speed: float
+        parameters: Sequence[float], load: float, rate: float, impact_speed: float, give: float
     ) -> tuple[float, float, float]:
-        """Depth [m] under a load [N], with the slopes of the force there by depth [N/m] and by rate [N s/m]."""
+        """Depth [m] under a load [N], with the slopes of the force there by depth [N/m] and by rate [N s/m].
+
+        All are zero where the slope by depth is below that of what gives way by `give` [m/N], or the contact parts.
+        """
         stiffness, exponent, damping = parameters[0], parameters[1], parameters[2]
         bracket = 1.0 + damping * rate / impact_speed
         if bracket <= _LEAST_BRACKET:
+            return 0.0, 0.0, 0.0
+        soft = exponent * load * give  # depth at which the two slopes would be the same
+        growth = math.sqrt(soft) if exponent == 1.5 else soft ** (exponent - 1.0)
+        if stiffness * bracket * soft * growth <= load:
             return 0.0, 0.0, 0.0
         elastic = load / bracket
         depth = (elastic / stiffness) ** (1.0 / exponent)

@@ -1,21 +1,16 @@
 """End of a step: its error over the tolerances, and the state moved to where it leads."""
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
-from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY, START
-from solar_env.mechanics.modal.motion import distribute_loads, look_at, stage_frames
+from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY
+from solar_env.mechanics.modal.solve import move_stages
 from solar_env.mechanics.modal.tables import (
     AT_START,
     AXIAL_EVEN,
     AXIAL_ODD,
     BENDING_EVEN,
     BENDING_ODD,
-    COLUMNS,
-    END_RATE,
-    END_VALUE,
-    FROM_LOAD,
-    FROM_RATE,
-    FROM_VALUE,
     GROUPS,
+    LANES,
     LAST,
     RATE_AT_START,
     STAGES,
@@ -23,6 +18,7 @@ from solar_env.mechanics.modal.tables import (
 )
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, copy_rows
+from solar_env.mechanics.numerics.vectors import load4, store4
 
 # A reaction at the end of one step tells less of the error of another that is shorter than this share of it than of its
 # own: of the fast vibrations that the longer step does not resolve.
@@ -39,7 +35,7 @@ def at_start(course):
 
 
 @kernel
-def rate_defect(panels, panel, answers, held, d, h, group):
+def rate_defect(panels, panel, defects, held, d, h, group):
     """Defect of the rate of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
     defect = panel.defect[group]
     for j in range(values_of(group)):
@@ -47,11 +43,10 @@ def rate_defect(panels, panel, answers, held, d, h, group):
     if group >= AXIAL_EVEN:
         for r in range(panels.coupled[group]):
             number, course, rate = panels.first[group] + r, panel.coupling[group, r], 0.0
-            mode, answer = panels.modes[d, number], answers[number]
             for k in range(STAGES):
                 rate += RATE_AT_START[k] * course[k] / h
-            shortened = answer.defect[0] * at_start(course) + answer.defect[1] * rate
-            defect -= mode.row[0] * shortened / (mode.frequency * mode.frequency)
+            shortened = defects[0, number] * at_start(course) + defects[1, number] * rate
+            defect -= shortened / panels.square[d, number]
     return abs(defect)
 
 
@@ -84,39 +79,67 @@ def step_error(model, state, work, settings, tables, level, h):
     limit = work.step[0].velocity_tolerance
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
-        if p != RIGID_BODY:
-            own, answers, held = work.panels[p], tables.answers[d, level], tables.responses[d, level].held
+        if p != RIGID_BODY and tables.responses[d, level].unresolved > 0:
+            own, defects, held = work.panels[p], tables.defects[d, level], tables.responses[d, level].held
             # At one end or the other, the even and the odd part add up.
-            across = rate_defect(model.panels, own, answers, held, d, h, BENDING_EVEN)
-            across += rate_defect(model.panels, own, answers, held, d, h, BENDING_ODD)
-            along = rate_defect(model.panels, own, answers, held, d, h, AXIAL_EVEN)
-            along += rate_defect(model.panels, own, answers, held, d, h, AXIAL_ODD)
+            across = rate_defect(model.panels, own, defects, held, d, h, BENDING_EVEN)
+            across += rate_defect(model.panels, own, defects, held, d, h, BENDING_ODD)
+            along = rate_defect(model.panels, own, defects, held, d, h, AXIAL_EVEN)
+            along += rate_defect(model.panels, own, defects, held, d, h, AXIAL_ODD)
             error = max(error, max(across, along) / limit)
     return error
 
 
 @kernel
-def move_panel(panels, panel, answers, d, q, v):
+def move_group(ends, shapes, forces, moments, q, v):
+    """Move the amplitudes of a group of modes over the step, by their start and the loads of the ends at the stages."""
+    by_value, by_rate, rate_by_value, rate_by_rate = ends[0], ends[1], ends[2 + STAGES], ends[3 + STAGES]
+    first, second, third = ends[2], ends[3], ends[4]
+    rate_first, rate_second, rate_third = ends[4 + STAGES], ends[5 + STAGES], ends[6 + STAGES]
+    whole = q.size - q.size % LANES
+    for k in range(0, whole, LANES):
+        value, rate = load4(q, k), load4(v, k)
+        one, other = load4(shapes[0], k), load4(shapes[1], k)
+        force1 = one * forces[0] + other * moments[0]
+        force2 = one * forces[1] + other * moments[1]
+        force3 = one * forces[2] + other * moments[2]
+        moved = load4(by_value, k) * value + load4(by_rate, k) * rate
+        moved = moved + load4(first, k) * force1 + load4(second, k) * force2 + load4(third, k) * force3
+        gained = load4(rate_by_value, k) * value + load4(rate_by_rate, k) * rate
+        gained = gained + load4(rate_first, k) * force1 + load4(rate_second, k) * force2 + load4(rate_third, k) * force3
+        store4(q, k, moved)
+        store4(v, k, gained)
+    for k in range(whole, q.size):
+        value, rate = q[k], v[k]
+        force1 = shapes[0, k] * forces[0] + shapes[1, k] * moments[0]
+        force2 = shapes[0, k] * forces[1] + shapes[1, k] * moments[1]
+        force3 = shapes[0, k] * forces[2] + shapes[1, k] * moments[2]
+        q[k] = by_value[k] * value + by_rate[k] * rate + first[k] * force1 + second[k] * force2 + third[k] * force3
+        moved = rate_by_value[k] * value + rate_by_rate[k] * rate
+        v[k] = moved + rate_first[k] * force1 + rate_second[k] * force2 + rate_third[k] * force3
+
+
+@kernel
+def move_panel(panels, panel, ends, d, q, v):
     """Move the amplitudes of a panel over the step; returns the power of its damping at the end [W]."""
     total = 0.0
     for group in range(GROUPS):
-        begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
-        modes, responses, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
-        forces, moments = panel.load[group, 0], panel.load[group, 1]
-        for k in range(values.size):
-            mode, answer = modes[k], responses[k].coefficient
-            value = answer[FROM_VALUE + END_VALUE] * values[k] + answer[FROM_RATE + END_VALUE] * rates[k]
-            rate = answer[FROM_VALUE + END_RATE] * values[k] + answer[FROM_RATE + END_RATE] * rates[k]
+        begin, end = panels.first[group], panels.first[group + 1]
+        values, rates = q[begin:end], v[begin:end]
+        load, shapes = panel.load[group], panels.shapes[d, :, begin:end]
+        move_group(ends[:, begin:end], shapes, load[0], load[1], values, rates)
+        for r in range(panels.coupled[group]):
             for s in range(STAGES):
-                force = mode.row[0] * forces[s] + mode.row[1] * moments[s]
-                if k < coupled:
-                    force += panel.coupling[group, k, s]
-                value += answer[FROM_LOAD + COLUMNS * s + END_VALUE] * force
-                rate += answer[FROM_LOAD + COLUMNS * s + END_RATE] * force
-            values[k], rates[k] = value, rate
-            if group >= AXIAL_EVEN and k < coupled:
-                rate = panel.strain_rate[group, k]
-            total += (mode.frequency * rate) ** 2
+                force = panel.coupling[group, r, s]
+                values[r] += ends[2 + s, begin + r] * force
+                rates[r] += ends[4 + STAGES + s, begin + r] * force
+        for k in range(values.size):
+            total += panels.square[d, begin + k] * rates[k] * rates[k]
+        if group >= AXIAL_EVEN:
+            # What strains is not the rate of the amplitude but that less foreshortening's.
+            for r in range(panels.coupled[group]):
+                square, strain_rate = panels.square[d, begin + r], panel.strain_rate[group, r]
+                total += square * (strain_rate * strain_rate - rates[r] * rates[r])
     return panels.damping[d] * total
 
 
@@ -130,7 +153,7 @@ def note_extremes(model, state, work, v):
         if body.panel != RIGID_BODY:
             # At one end or the other, the even and the odd part add up.
             ends = work.panels[body.panel].ends
-            slope = abs(ends[BENDING_EVEN, 1, 0]) + abs(ends[BENDING_ODD, 1, 0])
+            slope = abs(ends[BENDING_EVEN, 1, LAST]) + abs(ends[BENDING_ODD, 1, LAST])
             lowest = min(panels.modes[body.design, even].frequency, panels.modes[body.design, odd].frequency)
             extremes[0] = max(extremes[0], slope)
             extremes[1] = max(extremes[1], abs(v[body.offset + 2]) / lowest)
@@ -138,24 +161,22 @@ def note_extremes(model, state, work, v):
 
 @kernel(inlined=False)
 def commit_step(model, state, work, tables, level, h):
-    """Move the workspace's coordinates from the start to the end of the solved step, and fill the motion there."""
-    distribute_loads(model, state, work)
-    stage_frames(model, state, work, h)
+    """Move the workspace's coordinates to the end of the solved step, and fill the motion under its loads."""
+    move_stages(model, state, work, tables, level, h, False)
     for b in range(model.bodies.size):
         body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            work.q[first + i], work.v[first + i] = own.place[LAST, i], own.speed[LAST, i]
+            work.q[first + i], work.v[first + i] = own.place[i, LAST], own.speed[i, LAST]
         if body.panel != RIGID_BODY:
-            answers, panel, begin = tables.answers[body.design, level], work.panels[body.panel], first + 3
-            end = begin + answers.size
+            panel, begin = work.panels[body.panel], first + 3
+            end = begin + model.panels.modes.shape[1]
             q, v = work.q[begin:end], work.v[begin:end]
-            power = move_panel(model.panels, panel, answers, body.design, q, v)
+            power = move_panel(model.panels, panel, tables.ends[body.design, level], body.design, q, v)
             # Between the ends of a step its modes may vibrate several times: their damping takes what it does on
             # average, of which the ends are samples.
             mean = 0.5 * (state.damping_power[body.panel] + power)
             work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * mean
             work.damping_power[body.panel] = power
-    look_at(model, work.q, work.v, work, START)
     note_extremes(model, state, work, work.v)
 
 

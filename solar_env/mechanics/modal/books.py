@@ -21,7 +21,9 @@ from solar_env.mechanics.joints.torques import (
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,
-    OTHER,
+    LEVER,
+    NORMAL_X,
+    NORMAL_Y,
     RIGID_BODY,
     SLIDING_SPEED,
     SLIP,
@@ -46,26 +48,27 @@ def add_integrals(model, state, work, h):
         joint, own, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
         for s in range(STAGES):
             weight = h * WEIGHTS[s]
-            motion, force = work.joints[j].motion[s], force_of(model, j)
+            motion, force = work.joints[j].motion, force_of(model, j)
+            rate, speed = motion[RATE, s], motion[SLIDING_SPEED, s]
             first_load, second_load = work.loads[force].stage[s], work.loads[force + 1].stage[s]
-            torques = hinge_torques(joint, own, motion[ANGLE], motion[RATE])
-            add_torque_powers(torques, motion[RATE], weight, j, integrals)
+            torques = hinge_torques(joint, own, motion[ANGLE, s], rate)
+            add_torque_powers(torques, rate, weight, j, integrals)
             if joint.kind == m.IDEAL:
                 integrals[first + m.IMPULSE] += weight * math.sqrt(first_load * first_load + second_load * second_load)
             elif own.in_contact:
                 normal = max(first_load, 0.0)
-                _, elastic, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
-                integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * motion[DEPTH_RATE]
-                integrals[first + m.FRICTION_DISSIPATION] -= weight * second_load * motion[SLIP]
+                _, elastic, _, _ = normal_force(joint, motion[DEPTH, s], motion[DEPTH_RATE, s], own.impact_speed)
+                integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * motion[DEPTH_RATE, s]
+                integrals[first + m.FRICTION_DISSIPATION] -= weight * second_load * motion[SLIP, s]
                 integrals[first + m.IMPULSE] += weight * normal
-                integrals[first + m.SLIDING_WORK] += weight * normal * abs(motion[SLIDING_SPEED])
+                integrals[first + m.SLIDING_WORK] += weight * normal * abs(speed)
     for c in range(model.cables.size):
         cable = model.cables[c]
         for s in range(STAGES):
             weight = h * WEIGHTS[s]
-            motion = work.cables[c].motion[s]
-            torque, _, _ = cable_torque(cable, motion[STRETCH])
-            add_cable_power(cable, torque, motion[WHEEL_RATE], weight, integrals)
+            motion = work.cables[c].motion
+            torque, _, _ = cable_torque(cable, motion[STRETCH, s])
+            add_cable_power(cable, torque, motion[WHEEL_RATE, s], weight, integrals)
 
 
 @kernel
@@ -104,8 +107,8 @@ def panel_energies(model, body, q, v, work, energies):
 
 
 @kernel(inlined=False)
-def stored_energies(model, state, q, v, work, slot, energies):
-    """Fill the stored energies [J] of the configuration that was looked at last, at a slot."""
+def stored_energies(model, state, q, v, work, energies):
+    """Fill the stored energies [J] of the configuration that was looked at last."""
     energies[:] = 0.0
     for b in range(model.bodies.size):
         body = model.bodies[b]
@@ -117,12 +120,12 @@ def stored_energies(model, state, q, v, work, slot, energies):
         if body.panel != RIGID_BODY:
             panel_energies(model, body, q, v, work, energies)
     for j in range(model.joints.size):
-        joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion[slot]
-        add_torque_energies(joint, own, motion[ANGLE], energies)
+        joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion
+        add_torque_energies(joint, own, motion[ANGLE, 0], energies)
         if joint.kind == m.CLEARANCE:
-            energies[m.CONTACT] += contact_energy(joint, motion[DEPTH])
+            energies[m.CONTACT] += contact_energy(joint, motion[DEPTH, 0])
     for c in range(model.cables.size):
-        _, _, energy = cable_torque(model.cables[c], work.cables[c].motion[slot, STRETCH])
+        _, _, energy = cable_torque(model.cables[c], work.cables[c].motion[STRETCH, 0])
         energies[m.CABLE] += energy
 
 
@@ -136,23 +139,24 @@ def cubic(share, x0, r0, x1, r1):
 
 
 @kernel(inlined=False)
-def fill_load_table(model, state, work, slot, loads, table):
-    """Fill the (joints, LOAD_COLUMNS) table of loads from motion at a slot and `loads`, ordered as those of a state."""
+def fill_load_table(model, state, work, loads, table):
+    """Fill the (joints, LOAD_COLUMNS) table from the motion looked at last and `loads`, ordered as those of a state."""
     for j in range(model.joints.size):
-        joint, own, motion, row = model.joints[j], state.joints[j], work.joints[j].motion[slot], table[j]
+        joint, own, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]
         for column in range(columns.SHARED_COLUMNS):
-            row[column] = motion[column]
-        fx, fy, _, _ = outboard_load(joint, motion, first, second, 0.0)
+            row[column] = motion[column, 0]
+        nx, ny, lever = motion[NORMAL_X, 0], motion[NORMAL_Y, 0], motion[LEVER, 0]
+        fx, fy, _, _ = outboard_load(joint, nx, ny, lever, first, second, 0.0)
         row[columns.FORCE_X], row[columns.FORCE_Y] = fx, fy
         row[columns.NORMAL], row[columns.TANGENTIAL] = first, second
         if joint.kind == m.IDEAL:
             row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y] = 0.0, 0.0
             row[columns.NORMAL], row[columns.TANGENTIAL] = math.sqrt(fx * fx + fy * fy), 0.0
-        enter_torques(hinge_torques(joint, own, motion[ANGLE], motion[RATE]), j, table)
+        enter_torques(hinge_torques(joint, own, motion[ANGLE, 0], motion[RATE, 0]), j, table)
     for c in range(model.cables.size):
         cable = model.cables[c]
-        torque, _, _ = cable_torque(cable, work.cables[c].motion[slot, STRETCH])
+        torque, _, _ = cable_torque(cable, work.cables[c].motion[STRETCH, 0])
         enter_cable(cable, torque, table)
 
 
@@ -186,18 +190,18 @@ def sample_modal(model, state, settings, work, recorder, h, share):
             for i in range(model.bodies[b].offset, model.bodies[b].offset + 3):
                 rise, v0, v1 = (work.q[i] - state.q[i]) / h, state.v[i], work.v[i]
                 row[n + i] = rest * (6.0 * share * rise + (1.0 - 3.0 * share) * v0) + share * (3.0 * share - 2.0) * v1
-    look_at(model, row[:n], row[n : 2 * n], work, OTHER)
+    look_at(model, row[:n], row[n : 2 * n], work)
     for k in range(work.loads.size):
         work.sample_load[k] = course_at(work.loads[k].stage, share)
     for j in range(model.joints.size):
-        joint, motion, k = model.joints[j], work.joints[j].motion[OTHER], force_of(model, j)
+        joint, motion, k = model.joints[j], work.joints[j].motion, force_of(model, j)
         if joint.kind == m.CLEARANCE:
             # A polynomial knows neither the moment at which the surfaces part nor the one at which sliding turns round.
-            normal = max(work.sample_load[k], 0.0) if motion[DEPTH] > 0.0 else 0.0
-            slip, _ = friction_share(joint, motion[SLIDING_SPEED])
+            normal = max(work.sample_load[k], 0.0) if motion[DEPTH, 0] > 0.0 else 0.0
+            slip, _ = friction_share(joint, motion[SLIDING_SPEED, 0])
             work.sample_load[k], work.sample_load[k + 1] = normal, -joint.friction_coefficient * slip * normal
-    fill_load_table(model, state, work, OTHER, work.sample_load, work.sample)
-    stored_energies(model, state, row[:n], row[n : 2 * n], work, OTHER, work.energies)
+    fill_load_table(model, state, work, work.sample_load, work.sample)
+    stored_energies(model, state, row[:n], row[n : 2 * n], work, work.energies)
     k = 2 * n
     for j in range(model.joints.size):
         for c in range(columns.LOAD_COLUMNS):

@@ -16,12 +16,15 @@ from solar_env.mechanics.equations.formulation import JointView
 from solar_env.mechanics.equations.joint_rows import chord_sense
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import (
+    CABLE_COLUMNS,
     JOINT_LOADS,
+    MOTION_COLUMNS,
     RIGID_BODY,
     ModalModel,
     ModalState,
     attachment_type,
     body_type,
+    placement_type,
 )
 from solar_env.mechanics.modal.foreshortening import AXIAL_MODES, BENDING_MODES, quadratic_forms
 from solar_env.mechanics.modal.tables import (
@@ -105,6 +108,8 @@ def _panel_constants(chosen: _Design) -> Panels:
         exact=RESOLVED,
         modes=constants,
         forms=_packed_forms(*quadratic_forms(length, mass, coupled, coupled_axial), coupled)[None],
+        shapes=np.ascontiguousarray(np.moveaxis(constants["row"], -1, 1)),
+        square=constants["frequency"] ** 2,
     )
 
 
@@ -115,7 +120,10 @@ def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, 
     A damped mode is exact up to a frequency times step of `exact`.
     """
     parts = [_panel_constants(chosen) for chosen in designs]
-    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("damping", "modes", "forms")}
+    joined = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in ("damping", "modes", "forms", "shapes", "square")
+    }
     panels = parts[0]._replace(exact=exact, **joined)
     return panels, filled_tables(panels)
 
@@ -191,6 +199,10 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         course=np.zeros((loads, STAGES)),
         coupling=np.zeros((len(flexible), GROUPS, LOW, LANES)),
         damping_power=np.zeros(len(flexible)),
+        turns=np.zeros((len(bodies), 2)),
+        placements=np.zeros(2 * joints, placement_type),
+        motion=np.zeros((joints, MOTION_COLUMNS)),
+        cable_motion=np.zeros((len(mechanism.cables), CABLE_COLUMNS)),
         views=np.zeros((joints, len(JointView._fields))),
         extremes=np.zeros(2),
         **{name: getattr(rigid_state, name) for name in shared},

@@ -12,10 +12,8 @@ from solar_env.mechanics.modal.tables import (
     EVEN_ENDS,
     EVEN_FIRST,
     FORMS,
-    FROM_LOAD,
-    FROM_RATE,
-    FROM_VALUE,
     GROUPS,
+    LANES,
     LOW,
     ODD_ENDS,
     ODD_FIRST,
@@ -26,6 +24,7 @@ from solar_env.mechanics.modal.tables import (
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import (
     joined,
+    lane,
     load4,
     load8,
     lower_half,
@@ -38,23 +37,39 @@ from solar_env.mechanics.numerics.vectors import (
 
 
 @kernel
-def free_ends(panels, panel, answers, d, q, v):
+def weighed(weights, values, rates):
+    """Sum of values and rates with the (2, modes) `weights` of either."""
+    sums, whole = splat4(0.0), values.size - values.size % LANES
+    for k in range(0, whole, LANES):
+        sums = sums + load4(weights[0], k) * load4(values, k) + load4(weights[1], k) * load4(rates, k)
+    total = lane(sums, 0) + lane(sums, 1) + lane(sums, 2) + lane(sums, 3)
+    for k in range(whole, values.size):
+        total += weights[0, k] * values[k] + weights[1, k] * rates[k]
+    return total
+
+
+@kernel
+def free_ends(panels, panel, tables, d, level, q, v):
     """Free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
+    unresolved = tables.responses[d, level].unresolved > 0
     for group in range(GROUPS):
-        begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
+        begin, end = panels.first[group], panels.first[group + 1]
         # Of slices: indices that cannot be negative are spared a test.
-        modes, responses, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
-        first, second, defect = splat8(0.0), splat8(0.0), 0.0
+        moves, values, rates = tables.free[d, level, begin:end], q[begin:end], v[begin:end]
+        one, other = panels.shapes[d, 0, begin:end], panels.shapes[d, 1, begin:end]
+        first, second = splat8(0.0), splat8(0.0)
         for k in range(values.size):
-            answer, mode = responses[k], modes[k]
-            moved = load8(answer.coefficient, FROM_VALUE) * values[k] + load8(answer.coefficient, FROM_RATE) * rates[k]
-            if k < coupled:
-                store8(panel.low_free[group, k], 0, moved)
-            first = first + mode.row[0] * moved
-            second = second + mode.row[1] * moved
-            defect += mode.row[0] * (answer.defect[0] * values[k] + answer.defect[1] * rates[k])
+            moved = load8(moves[k], 0) * values[k] + load8(moves[k], COLUMNS) * rates[k]
+            first = first + one[k] * moved
+            second = second + other[k] * moved
         store8(panel.free[group, 0], 0, first)
         store8(panel.free[group, 1], 0, second)
+        for r in range(panels.coupled[group]):
+            moved = load8(moves[r], 0) * values[r] + load8(moves[r], COLUMNS) * rates[r]
+            store8(panel.low_free[group, r], 0, moved)
+        defect = 0.0
+        if unresolved:
+            defect = weighed(tables.defects[d, level, :, begin:end], values, rates)
         panel.defect[group] = defect
 
 
@@ -71,14 +86,13 @@ def forced_ends(panel, response, groups):
 
 
 @kernel
-def add_modal_forces(panels, panel, answers, d):
+def add_modal_forces(panels, panel, forced, d):
     """Add what the modal forces of foreshortening do to the ends of a panel."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
-            number = panels.first[group] + r
-            mode, coefficients, gain = panels.modes[d, number], answers[number].coefficient, splat8(0.0)
+            mode, by_load, gain = panels.modes[d, panels.first[group] + r], forced[group, r], splat8(0.0)
             for k in range(STAGES):
-                gain = gain + load8(coefficients, FROM_LOAD + COLUMNS * k) * panel.coupling[group, r, k]
+                gain = gain + load8(by_load, COLUMNS * k) * panel.coupling[group, r, k]
             for i in range(values_of(group)):
                 store8(panel.ends[group, i], 0, load8(panel.ends[group, i], 0) + mode.row[i] * gain)
 
@@ -175,27 +189,26 @@ def shorten_pose(panels, panel, d, q, v):
 
 
 @kernel
-def move_low(panels, panel, answers, d, group):
+def move_low(panels, panel, forced, d, group):
     """Motion of the coupled coordinates of a group at the stages under the loads and the present modal forces."""
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
         for i in range(VALUES):
             store8(panel.low[group, coupled + i], 0, load8(panel.ends[group, i], 0))
     for r in range(coupled):
-        number = panels.first[group] + r
-        mode, coefficients = panels.modes[d, number], answers[number].coefficient
-        moved, forced = load8(panel.low_free[group, r], 0), splat8(0.0)
+        mode = panels.modes[d, panels.first[group] + r]
+        moved, pushed = load8(panel.low_free[group, r], 0), splat8(0.0)
         for k in range(STAGES):
-            gain = load8(coefficients, FROM_LOAD + COLUMNS * k)
+            gain = load8(forced[group, r], COLUMNS * k)
             force = mode.row[0] * panel.load[group, 0, k]
             if bending:
                 force += mode.row[1] * panel.load[group, 1, k]
             moved = moved + gain * force
-            forced = forced + gain * panel.coupling[group, r, k]
+            pushed = pushed + gain * panel.coupling[group, r, k]
         if bending:
             # The ends have moved by the loads, not yet by the modal forces.
             take_rest(panel, mode, group, coupled, moved)
-        store8(panel.low[group, r], 0, moved + forced)
+        store8(panel.low[group, r], 0, moved + pushed)
 
 
 @kernel
@@ -248,15 +261,15 @@ def push_bending(panels, panel, d):
 
 
 @kernel
-def couple(panels, panel, answers, d):
+def couple(panels, panel, forced, d):
     """Forces of foreshortening in a panel at the stages, the axial ones first: tension is what they leave.
 
     The ends must have moved by their loads, among which are the forces on the rest of their values: these change here.
     """
     for group in range(AXIAL_EVEN):
-        move_low(panels, panel, answers, d, group)
+        move_low(panels, panel, forced, d, group)
     foreshorten(panels.forms[d], panel)
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):
-        move_low(panels, panel, answers, d, group)
+        move_low(panels, panel, forced, d, group)
     push_bending(panels, panel, d)

@@ -13,7 +13,6 @@ from solar_env.mechanics.arrays.model import ENERGIES, IDEAL
 from solar_env.mechanics.equations.formulation import Array, Formulation, JointView
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import (
-    OTHER,
     RIGID_BODY,
     VELOCITY_X,
     VELOCITY_Y,
@@ -56,20 +55,20 @@ class FloatingFrames(Formulation):
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Return the greatest violations of the ideal joints, in m and m/s."""
-        motion = np.abs(present_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, OTHER])
+        motion = np.abs(state.motion[model.joints["kind"] == IDEAL])
         gaps, rates = motion[:, [ECCENTRICITY_X, ECCENTRICITY_Y]], motion[:, [VELOCITY_X, VELOCITY_Y]]
         return float(gaps.max(initial=0.0)), float(rates.max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
         """Evaluate the table of loads with those at the end of the last step."""
         work = present_motion(model, state)
-        fill_load_table(model, state, work, OTHER, state.loads, work.sample)
+        fill_load_table(model, state, work, state.loads, work.sample)
         return work.sample
 
     def stored_energies(self, model: ModalModel, state: ModalState) -> Array:
         """See `Formulation.stored_energies`."""
         energies = np.zeros(ENERGIES)
-        stored_energies(model, state, state.q, state.v, present_motion(model, state), OTHER, energies)
+        stored_energies(model, state, state.q, state.v, present_motion(model, state), energies)
         return energies
 
     def greatest_weight(self, model: ModalModel) -> float:
@@ -109,9 +108,9 @@ class FloatingFrames(Formulation):
 
 
 def present_motion(model: ModalModel, state: ModalState) -> Workspace:
-    """Return a workspace whose slot OTHER holds the present motion."""
+    """Return a workspace that holds the present motion."""
     work = make_workspace(model, state)
-    look_at(model, state.q, state.v, work, OTHER)
+    look_at(model, state.q, state.v, work)
     return work
 
 

@@ -23,15 +23,16 @@ from solar_env.mechanics.modal.arrays import (
     NORMAL_Y,
     REACTION_X_ROW,
     RIGID_BODY,
-    START,
     TANGENTIAL_ROW,
     TORQUE_ROW,
     VELOCITY_X,
     VELOCITY_Y,
 )
+from solar_env.mechanics.modal.elimination import eliminate, substitute
 from solar_env.mechanics.modal.ends import add_modal_forces, couple, forced_ends, free_ends, shorten_ends
 from solar_env.mechanics.modal.equations import contact_rows, fill_torques, piece_of_law, reaction_row, torque_row
 from solar_env.mechanics.modal.motion import (
+    NODES_IN_LANES,
     distribute_loads,
     force_of,
     move_attachments,
@@ -54,7 +55,7 @@ from solar_env.mechanics.modal.tables import (
 )
 from solar_env.mechanics.modal.unknowns import DEVIATION, fill_mobility, list_rows
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import lu_factor, lu_solve
+from solar_env.mechanics.numerics.vectors import load4, splat4, square_roots, store4, where_less
 
 _MOST_ITERATIONS = 15
 # Foreshortening is of second order: its forces, which go on along their course, are renewed in so many iterations; with
@@ -111,54 +112,53 @@ def foresee(state, work, h):
 
 
 @kernel
+def continue_course(foreseen, course, stage):
+    """Fill values at the stages (LANES,) from those of the last step."""
+    total = course[0] * load4(foreseen[0], 0)
+    for k in range(1, STAGES):
+        total = total + course[k] * load4(foreseen[k], 0)
+    store4(stage, 0, total)
+
+
+@kernel
 def start_stages(model, state, work, h):
     """First guess of the stages: directions by their rates at the start, loads along their course in the last step."""
-    foreseen = work.step[0].foreseen
+    foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
-        body = work.bodies[b]
-        c, s0 = body.turn[START, 0], body.turn[START, 1]
-        for s in range(STAGES):
-            angle = NODES[s] * h * body.speed[START, 2]
-            body.turn[s, 0], body.turn[s, 1] = c - s0 * angle, s0 + c * angle
+        turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
+        angle = state.v[model.bodies[b].offset + 2] * times
+        store4(turn[0], 0, c - s * angle)
+        store4(turn[1], 0, s + c * angle)
     for number in range(model.attachments.size):
-        attachment, body = work.attachments[number], work.bodies[model.attachments[number].body]
-        for s in range(STAGES):
-            for i in range(2):
-                rate = attachment.point_rate[START, i] - body.speed[START, i]
-                attachment.arm[s, i] = attachment.arm[START, i] + NODES[s] * h * rate
+        arm, placement = work.attachments[number].arm, state.placements[number]
+        for i in range(2):
+            store4(arm[i], 0, placement.arm[i] + placement.arm_rate[i] * times)
     for p in range(work.panels.size):
-        before, panel = state.coupling[p], work.panels[p]
         for group in range(GROUPS):
             for r in range(LOW):
-                for s in range(LANES):
-                    total = 0.0
-                    for k in range(STAGES):
-                        total += foreseen[k, s] * before[group, r, k]
-                    panel.coupling[group, r, s] = total
+                continue_course(foreseen, state.coupling[p, group, r], work.panels[p].coupling[group, r])
     for k in range(work.loads.size):
-        for s in range(STAGES):
-            total = 0.0
-            for i in range(STAGES):
-                total += foreseen[i, s] * state.course[k, i]
-            work.loads[k].stage[s] = total
+        continue_course(foreseen, state.course[k], work.loads[k].stage)
     for j in range(model.joints.size):
-        joint, start, scratch = model.joints[j], work.joints[j].motion[START], work.joints[j]
+        joint, start, scratch = model.joints[j], state.motion[j], work.joints[j]
         if joint.kind == CLEARANCE:
             nx, ny = start[NORMAL_X], start[NORMAL_Y]
             radius = start[LEVER] - joint.journal_radius
             spin = (start[VELOCITY_Y] * nx - start[VELOCITY_X] * ny) / radius if radius > 0.0 else 0.0
-            for s in range(STAGES):
-                turn = min(max(NODES[s] * h * spin, -_GREATEST_TURN), _GREATEST_TURN)
-                size, motion = 1.0 / math.sqrt(1.0 + turn * turn), scratch.motion[s]
-                motion[NORMAL_X], motion[NORMAL_Y] = (nx - ny * turn) * size, (ny + nx * turn) * size
-                motion[LEVER] = start[LEVER]
-                normal = work.loads[force_of(model, j)].stage
-                normal[s] = max(normal[s], 0.0)
-                scratch.tried[s, 0] = scratch.tried[s, 1] = 0.0
+            limit, turn = splat4(_GREATEST_TURN), spin * times
+            turn = where_less(turn, limit, where_less(-limit, turn, turn, -limit), limit)
+            size = 1.0 / square_roots(1.0 + turn * turn)
+            store4(scratch.motion[NORMAL_X], 0, (nx - ny * turn) * size)
+            store4(scratch.motion[NORMAL_Y], 0, (ny + nx * turn) * size)
+            store4(scratch.motion[LEVER], 0, splat4(start[LEVER]))
+            normal = work.loads[force_of(model, j)].stage
+            store4(normal, 0, where_less(splat4(0.0), load4(normal, 0), load4(normal, 0), splat4(0.0)))
+            store4(scratch.tried[0], 0, splat4(0.0))
+            store4(scratch.tried[1], 0, splat4(0.0))
     for c in range(model.cables.size):
         motion = work.cables[c].motion
-        for s in range(STAGES):
-            motion[s, ACROSS_X], motion[s, ACROSS_Y] = motion[START, ACROSS_X], motion[START, ACROSS_Y]
+        for column in (ACROSS_X, ACROSS_Y):
+            store4(motion[column], 0, splat4(state.cable_motion[c, column]))
 
 
 @kernel
@@ -172,28 +172,27 @@ def move_stages(model, state, work, tables, level, h, coupled):
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
-            panel, answers = work.panels[p], tables.answers[d, level]
+            panel, forced = work.panels[p], tables.forced[d, level]
             forced_ends(panel, tables.responses[d, level].response, GROUPS)
             if coupled:
-                couple(model.panels, panel, answers, d)
+                couple(model.panels, panel, forced, d)
                 # The forces on the rest of the end values are among the loads.
                 forced_ends(panel, tables.responses[d, level].response, AXIAL_EVEN)
-            add_modal_forces(model.panels, panel, answers, d)
+            add_modal_forces(model.panels, panel, forced, d)
             shorten_ends(panel)
-    for s in range(STAGES):
-        move_attachments(model, work, s)
-        move_joints(model, work, s)
-        move_cables(model, work, s)
+    move_attachments(model, work)
+    move_joints(model, work)
+    move_cables(model, work)
 
 
 @kernel
-def velocity_tolerance(model, work, settings):
+def velocity_tolerance(model, state, settings):
     """Tolerance of velocities [m/s] at the start of a step: of the scale, or of the hinges' speed if that is less."""
     scale, fastest = settings.velocity_scale, 0.0
     for j in range(model.joints.size):
         if model.joints[j].kind == IDEAL:
             return settings.rtol * scale
-        fastest = max(fastest, abs(work.joints[j].motion[START, RATE]))
+        fastest = max(fastest, abs(state.motion[j, RATE]))
     return settings.rtol * min(scale, max(fastest * model.length_scale, _LEAST_SCALE * scale))
 
 
@@ -214,7 +213,7 @@ def set_tolerances(state, work, settings, h, n):
         if kind == NORMAL_ROW:
             own = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
-            depth = max(work.joints[j].motion[LAST, DEPTH], work.joints[j].motion[START, DEPTH], least)
+            depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], least)
             # A load that is off moves a stiff contact's depth by no more than its own share.
             share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.loads[work.unknowns[r].number])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
@@ -230,33 +229,35 @@ def correct_loads(model, state, work, n, h, renewed):
     matrix is singular or a change is not finite.
     """
     size, apart, total = 0.0, 0.0, 0.0
-    for s in range(STAGES):
-        fill_torques(model, state, work, s)
-        for r in range(n):
-            kind = work.unknowns[r].kind
-            if kind in (TORQUE_ROW, CABLE_ROW):
-                torque_row(work, s, n, r, renewed)
-            elif kind == NORMAL_ROW:
-                contact_rows(model, state, work, s, n, r, renewed)
-            elif kind != TANGENTIAL_ROW:
-                reaction_row(work, s, n, r, h, renewed)
-        for k in range(model.joints.size + model.cables.size):
-            load = work.loads[k]
-            if not load.unknown:
-                change = load.law - load.stage[s]
-                load.stage[s] += change
+    fill_torques(model, state, work)
+    for r in range(n):
+        kind = work.unknowns[r].kind
+        if kind in (TORQUE_ROW, CABLE_ROW):
+            torque_row(work, r, renewed)
+        elif kind == NORMAL_ROW:
+            contact_rows(model, state, work, r, renewed)
+        elif kind != TANGENTIAL_ROW:
+            reaction_row(state, work, r, h, renewed)
+    for k in range(model.joints.size + model.cables.size):
+        load = work.loads[k]
+        if not load.unknown:
+            for s in range(STAGES):
+                change = load.law[s] - load.stage[s]
                 total += change
                 apart = max(apart, abs(change) / load.tolerance)
-    if n > 0:
-        if renewed and not lu_factor(work.matrix, STAGES * n):
-            return math.inf, math.inf
-        lu_solve(work.matrix, STAGES * n, work.correction)
-    for s in range(STAGES):
-        for r in range(n):
-            change, load = work.correction[s * n + r], work.loads[work.unknowns[r].number]
-            load.stage[s] += change
-            total += change
-            size = max(size, abs(change) / load.tolerance)
+            store4(load.stage, 0, load4(load.law, 0))
+    for r in range(n):
+        first, end = work.unknowns[r].first, work.unknowns[r].end
+        if first == r:
+            if renewed and not eliminate(work.matrix, work.pivots, first, end):
+                return math.inf, math.inf
+            substitute(work.matrix, work.pivots, first, end, work.residual, work.correction)
+    for r in range(n):
+        load, correction = work.loads[work.unknowns[r].number], work.correction[r]
+        store4(load.stage, 0, load4(load.stage, 0) + load4(correction, 0))
+        for s in range(STAGES):
+            total += correction[s]
+            size = max(size, abs(correction[s]) / load.tolerance)
     return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
 
 
@@ -268,7 +269,7 @@ def pieces_of_laws(model, state, work, n):
         kind, j = work.unknowns[r].kind, work.unknowns[r].owner
         if kind in (TORQUE_ROW, NORMAL_ROW):
             for s in range(STAGES):
-                pieces = 31 * pieces + piece_of_law(model.joints[j], state.joints[j], work.joints[j].motion[s], kind)
+                pieces = 31 * pieces + piece_of_law(model.joints[j], state.joints[j], work.joints[j].motion, kind, s)
     return pieces
 
 
@@ -279,7 +280,7 @@ def furthest_off(model, work, n):
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
         for s in range(STAGES):
-            change = abs(work.correction[s * n + r]) / work.loads[work.unknowns[r].number].tolerance
+            change = abs(work.correction[r, s]) / work.loads[work.unknowns[r].number].tolerance
             if change > greatest:
                 joint, greatest = model.cables[owner].joint_b if kind == CABLE_ROW else owner, change
     return joint
@@ -291,11 +292,10 @@ def solve_step(model, state, work, settings, tables, level, h):
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:
-            answers, first = tables.answers[body.design, level], body.offset + 3
-            last = first + answers.size
-            panel, d = work.panels[body.panel], body.design
-            free_ends(model.panels, panel, answers, d, state.q[first:last], state.v[first:last])
-    work.step[0].velocity_tolerance = velocity_tolerance(model, work, settings)
+            panel, first = work.panels[body.panel], body.offset + 3
+            last = first + model.panels.modes.shape[1]
+            free_ends(model.panels, panel, tables, body.design, level, state.q[first:last], state.v[first:last])
+    work.step[0].velocity_tolerance = velocity_tolerance(model, state, settings)
     foresee(state, work, h)
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)

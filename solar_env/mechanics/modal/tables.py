@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import record
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import load8, store8
 
 Array = NDArray[np.float64]
 
@@ -71,6 +72,7 @@ _NEGLIGIBLE = 1e-20  # part of what a term is added to
 # Tabled step sizes: the greatest [s], and their number; each is the one before over the square root of two.
 GREATEST_STEP = 0.032
 LEVELS = 50
+_SIZES = GREATEST_STEP * 2.0 ** (-0.5 * np.arange(LEVELS))
 
 # Groups of modes. Values of an end: deflection and slope in bending, axial displacement (and nothing) in stretching.
 BENDING_EVEN, BENDING_ODD, AXIAL_EVEN, AXIAL_ODD = range(4)
@@ -98,6 +100,9 @@ answer_type = record(
     ]
 )
 
+# Rows of what moves the modes to the end of a step: values, then rates, by start value, start rate and the loads.
+END_ROWS = 2 * (2 + STAGES)
+
 # How the ends answer the groups' loads in a step of one size.
 response_type = record(
     [
@@ -105,6 +110,7 @@ response_type = record(
         ("response", np.float64, (GROUPS, VALUES, VALUES, BY_LOAD)),
         # Defect of the rate of the first value by load j at the start: what the load holds in place does not vibrate.
         ("held", np.float64, (GROUPS, VALUES)),
+        ("unresolved", np.int64),  # number of modes with a defect
     ]
 )
 
@@ -143,6 +149,9 @@ class Panels(NamedTuple):
     # other one for the even forms.
     forms: Array
 
+    shapes: Array  # (D, VALUES, modes) values of the first end by unit amplitude, as in the records
+    square: Array  # (D, modes) squared frequencies [1/s2]
+
     @property
     def frequency(self) -> Array:
         """(D, modes) natural frequencies [rad/s]."""
@@ -155,16 +164,28 @@ class Panels(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Answers of the modes and of the groups' ends to a step, by design and step size (levels)."""
+    """Answers of D designs' modes, and of the groups' ends, to steps of L sizes (levels), in the order of their use."""
 
-    answers: NDArray[np.void]  # (D, levels, modes) rows of `answer_type`
-    responses: NDArray[np.void]  # (D, levels) rows of `response_type`
+    answers: NDArray[np.void]  # (1,) scratch, of `answer_type`
+    free: Array  # (D, L, modes, 2 COLUMNS) motion at the stages by start value and start rate
+    forced: Array  # (D, L, GROUPS, LOW, BY_LOAD) motion at the stages of the coupled modes by their loads
+    ends: Array  # (D, L, END_ROWS, modes) motion at the end, see END_ROWS
+    defects: Array  # (D, L, 2, modes) of the first end's rate at the end by start value and start rate of a mode
+    responses: NDArray[np.void]  # (D, L) rows of `response_type`
 
 
 def make_tables(panels: Panels, levels: int) -> Tables:
     """Allocate tables."""
     designs, modes = panels.modes.shape
-    return Tables(np.zeros((designs, levels, modes), answer_type), np.zeros((designs, levels), response_type))
+    shape = (designs, levels)
+    return Tables(
+        answers=np.zeros(1, answer_type),
+        free=np.zeros((*shape, modes, 2 * COLUMNS)),
+        forced=np.zeros((*shape, GROUPS, LOW, BY_LOAD)),
+        ends=np.zeros((*shape, END_ROWS, modes)),
+        defects=np.zeros((*shape, 2, modes)),
+        responses=np.zeros(shape, response_type),
+    )
 
 
 @kernel
@@ -178,17 +199,22 @@ def exact_coefficients(frequency, damping_rate, h, coefficients):
         for s in range(LANES):
             row[s], row[LANES + s] = first + NODES[min(s, LAST)] * second, second
         # From the terms of the powers n and n + 1 follows that of n + 2.
+        first_power, second_power = NODES[0], NODES[1]
         for n in range(_TERMS):
             load = h * h * POLYNOMIAL[case - 2][n] if case >= 2 and n < STAGES else 0.0
             following = (load - damping * (n + 1) * second - square * first) / ((n + 2) * (n + 1))
-            for s in range(LANES):
-                node = NODES[min(s, LAST)]
-                power = node ** (n + 1)
-                row[s] += following * node * power
-                row[LANES + s] += following * (n + 2) * power
+            rate = following * (n + 2)
+            row[LANES] += rate * first_power
+            row[LANES + 1] += rate * second_power
+            row[LANES + LAST] += rate
+            first_power, second_power = first_power * NODES[0], second_power * NODES[1]
+            row[0] += following * first_power
+            row[1] += following * second_power
+            row[LAST] += following
             first, second = second, following
             if n > STAGES and abs(first) + abs(second) < _NEGLIGIBLE * scale:
                 break
+        row[LANES - 1], row[COLUMNS - 1] = row[LAST], row[LANES + LAST]
         for s in range(LANES):
             row[LANES + s] /= h
 
@@ -292,17 +318,34 @@ def add_mode(mode, answer, group, own):
     held = answer.defect[0] * mode.row[0] / (mode.frequency * mode.frequency)
     for i in range(values_of(group)):
         for j in range(values_of(group)):
-            product = mode.row[i] * mode.row[j]
-            for c in range(BY_LOAD):
-                own.response[group, i, j, c] += product * answer.coefficient[FROM_LOAD + c]
+            product, row = mode.row[i] * mode.row[j], own.response[group, i, j]
+            for k in range(STAGES):
+                moved = load8(answer.coefficient, FROM_LOAD + COLUMNS * k)
+                store8(row, COLUMNS * k, load8(row, COLUMNS * k) + product * moved)
         own.held[group, i] -= held * mode.row[i]
+    own.unresolved += answer.defect[0] != 0.0
+
+
+@kernel
+def keep_answer(tables, mode, d, level, k, answer):
+    """Copy the answer of mode `k` to the tables."""
+    coefficients = answer.coefficient
+    for c in range(2 * COLUMNS):
+        tables.free[d, level, k, c] = coefficients[c]
+    for case in range(2 + STAGES):
+        tables.ends[d, level, case, k] = coefficients[COLUMNS * case + END_VALUE]
+        tables.ends[d, level, 2 + STAGES + case, k] = coefficients[COLUMNS * case + END_RATE]
+    for case in range(2):
+        tables.defects[d, level, case, k] = mode.row[0] * answer.defect[case]
 
 
 @kernel(inlined=False)
 def fill_level(panels, tables, level, h):
     """Fill one level of the tables of every design for the step size `h` [s]."""
+    answer = tables.answers[0]
     for d in range(panels.damping.size):
         own = tables.responses[d, level]
+        own.unresolved = 0
         for group in range(GROUPS):
             for i in range(VALUES):
                 own.held[group, i] = 0.0
@@ -310,23 +353,27 @@ def fill_level(panels, tables, level, h):
                     for c in range(BY_LOAD):
                         own.response[group, i, j, c] = 0.0
             for k in range(panels.first[group], panels.first[group + 1]):
-                mode, answer = panels.modes[d, k], tables.answers[d, level, k]
+                mode, r = panels.modes[d, k], k - panels.first[group]
                 rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
                 fill_answer(mode.frequency, rate, panels.exact, h, answer)
+                keep_answer(tables, mode, d, level, k, answer)
+                if r < panels.coupled[group]:
+                    for c in range(BY_LOAD):
+                        tables.forced[d, level, group, r, c] = answer.coefficient[FROM_LOAD + c]
                 add_mode(mode, answer, group, own)
 
 
 @kernel
 def level_size(level):
     """Step size [s] of a level."""
-    return GREATEST_STEP * 2.0 ** (-0.5 * level)
+    return _SIZES[level]
 
 
 @kernel
 def level_below(h):
     """Level of the greatest tabled step size that does not exceed `h` [s]; LEVELS if there is none."""
     level = 0
-    while level < LEVELS and level_size(level) > h * (1.0 + 1e-12):
+    while level < LEVELS and _SIZES[level] > h * (1.0 + 1e-12):
         level += 1
     return level
 

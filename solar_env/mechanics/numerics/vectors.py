@@ -141,30 +141,50 @@ def _joined(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def square_roots(vector: Any) -> Any:
-    """Return the square root of every lane."""
+    """Return the square root of a number, or of every lane."""
     return np.sqrt(vector)
 
 
-_typed(square_roots, lambda vector: vector)
+_typed(square_roots, lambda number: number)
 
 
 @lower_builtin(square_roots, Vector)
+@lower_builtin(square_roots, types.Float)
 def _square_roots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    kind, name = args[0].type, f"llvm.sqrt.v{sig.return_type.width}f64"
+    kind, width = args[0].type, getattr(sig.return_type, "width", None)
+    name = f"llvm.sqrt.v{width}f64" if width else "llvm.sqrt.f64"
     return builder.call(cgutils.get_or_insert_function(builder.module, ir.FunctionType(kind, [kind]), name), args)
 
 
 def where_less(one: Any, other: Any, chosen: Any, otherwise: Any) -> Any:
-    """Return the lanes of `chosen` where `one` is less than the `other`, and those of `otherwise` elsewhere."""
+    """Return `chosen` where `one` is less than the `other`, and `otherwise` elsewhere: lane by lane, or numbers."""
     return np.where(one < other, chosen, otherwise)
 
 
-_typed(where_less, lambda one, other, chosen, otherwise: one)
+def _wider(*kinds: Any) -> Any:
+    """Type of the result of numbers and vectors together."""
+    return next((kind for kind in kinds if isinstance(kind, Vector)), types.float64)
 
 
-@lower_builtin(where_less, Vector, Vector, Vector, Vector)
+_typed(where_less, lambda one, other, chosen, otherwise: _wider(one, other, chosen, otherwise))
+
+
+@lower_builtin(where_less, types.Any, types.Any, types.Any, types.Any)
 def _where_less(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    if isinstance(sig.return_type, Vector):
+        args = [_widened(builder, *pair, sig.return_type.width) for pair in zip(sig.args, args, strict=True)]
     return builder.select(builder.fcmp_ordered("<", args[0], args[1]), args[2], args[3])
+
+
+@infer_global(operator.neg)
+class _Negation(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(args[0], args[0]) if isinstance(args[0], Vector) else None
+
+
+@lower_builtin(operator.neg, Vector)
+def _negated(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fneg(args[0])
 
 
 def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
@@ -173,8 +193,10 @@ def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
     @infer_global(operation)
     class Template(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
-            vector = next((kind for kind in args if isinstance(kind, Vector)), None)
-            if vector is not None and all(isinstance(kind, (Vector, types.Float, types.Integer)) for kind in args):
+            vector = _wider(*args)
+            if isinstance(vector, Vector) and all(
+                isinstance(kind, (Vector, types.Float, types.Integer)) for kind in args
+            ):
                 return signature(vector, *(kind if isinstance(kind, Vector) else types.float64 for kind in args))
             return None
 

@@ -17,8 +17,7 @@ from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints.joint import penetration
-from solar_env.mechanics.modal.arrays import DEPTH, DEPTH_RATE, OTHER, ModalModel, ModalState
-from solar_env.mechanics.modal.formulation import present_motion
+from solar_env.mechanics.modal.arrays import DEPTH, DEPTH_RATE, ModalModel, ModalState
 from solar_env.mechanics.records.history import IMPACT_DURATIONS
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation
@@ -53,8 +52,7 @@ def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
     """Depth [m] of the contact of joint `j`, negative for a gap, and its rate [m/s]."""
     model, state = simulation.model, simulation.state
     if isinstance(model, ModalModel):
-        motion = present_motion(model, state).joints["motion"][j, OTHER]
-        return float(motion[DEPTH]), float(motion[DEPTH_RATE])
+        return float(state.motion[j, DEPTH]), float(state.motion[j, DEPTH_RATE])
     depth, rate = penetration(model.joints[j], model.markers, state.q, state.v)
     return float(depth), float(rate)
 

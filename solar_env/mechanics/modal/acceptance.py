@@ -1,14 +1,16 @@
 """End of a step: its error over the tolerances, and the state moved to where it leads."""
 
+import math
+
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
 from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY
 from solar_env.mechanics.modal.solve import move_stages
 from solar_env.mechanics.modal.tables import (
     AT_START,
     AXIAL_EVEN,
-    AXIAL_ODD,
     BENDING_EVEN,
     BENDING_ODD,
+    DEFECTS,
     GROUPS,
     LANES,
     LAST,
@@ -35,17 +37,17 @@ def at_start(course):
 
 
 @kernel
-def rate_defect(panels, panel, defects, held, d, h, group):
-    """Defect of the rate of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
-    defect = panel.defect[group]
+def vibration_defect(panels, panel, defects, held, d, h, kind, group):
+    """Defect of the motion of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
+    defect = panel.defect[kind, group]
     for j in range(values_of(group)):
-        defect += held[group, j] * at_start(panel.load[group, j])
+        defect += held[kind, group, j] * at_start(panel.load[group, j])
     if group >= AXIAL_EVEN:
         for r in range(panels.coupled[group]):
             number, course, rate = panels.first[group] + r, panel.coupling[group, r], 0.0
             for k in range(STAGES):
                 rate += RATE_AT_START[k] * course[k] / h
-            shortened = defects[0, number] * at_start(course) + defects[1, number] * rate
+            shortened = defects[kind, 0, number] * at_start(course) + defects[kind, 1, number] * rate
             defect -= shortened / panels.square[d, number]
     return abs(defect)
 
@@ -62,7 +64,7 @@ def step_error(model, state, work, settings, tables, level, h):
 
     Of loads: their value at the start against that of the polynomial through the stages, and of reactions whose value
     there is that of a far longer step, how they change between the stages if that is less. Of vibrations that the step
-    does not resolve: the rate of the ends against the exact one.
+    does not resolve: the motion of the ends against the exact one.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -81,12 +83,18 @@ def step_error(model, state, work, settings, tables, level, h):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY and tables.responses[d, level].unresolved > 0:
             own, defects, held = work.panels[p], tables.defects[d, level], tables.responses[d, level].held
-            # At one end or the other, the even and the odd part add up.
-            across = rate_defect(model.panels, own, defects, held, d, h, BENDING_EVEN)
-            across += rate_defect(model.panels, own, defects, held, d, h, BENDING_ODD)
-            along = rate_defect(model.panels, own, defects, held, d, h, AXIAL_EVEN)
-            along += rate_defect(model.panels, own, defects, held, d, h, AXIAL_ODD)
-            error = max(error, max(across, along) / limit)
+            total = 0.0
+            for kind in range(DEFECTS):
+                # At one end or the other, the even and the odd part add up.
+                across = along = 0.0
+                for group in range(GROUPS):
+                    defect = vibration_defect(model.panels, own, defects, held, d, h, kind, group)
+                    if group < AXIAL_EVEN:
+                        across += defect
+                    else:
+                        along += defect
+                total += max(across, along) ** 2
+            error = max(error, math.sqrt(total) / limit)
     return error
 
 
@@ -162,7 +170,8 @@ def note_extremes(model, state, work, v):
 @kernel(inlined=False)
 def commit_step(model, state, work, tables, level, h):
     """Move the workspace's coordinates to the end of the solved step, and fill the motion under its loads."""
-    move_stages(model, state, work, tables, level, h, False)
+    # The next step takes out what velocity it finds in ideal joints: it must be that of the coordinates.
+    move_stages(model, state, work, tables, level, h, work.step[0].constrained != 0, False)
     for b in range(model.bodies.size):
         body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):

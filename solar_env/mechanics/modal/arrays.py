@@ -176,6 +176,7 @@ mobility_type = record([("response", np.float64, BY_LOAD)])
 step_scratch = record(
     [
         ("unknowns", np.int64),  # number
+        ("constrained", np.int64),  # whether there are reactions among them
         ("velocity_tolerance", np.float64),  # [m/s]
         ("foreseen", np.float64, (STAGES, LANES)),  # weight of each load of the last step at each stage of this one
     ]

@@ -8,6 +8,7 @@ from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
     COLUMNS,
+    DEFECTS,
     END_RATE,
     EVEN_ENDS,
     EVEN_FIRST,
@@ -67,10 +68,9 @@ def free_ends(panels, panel, tables, d, level, q, v):
         for r in range(panels.coupled[group]):
             moved = load8(moves[r], 0) * values[r] + load8(moves[r], COLUMNS) * rates[r]
             store8(panel.low_free[group, r], 0, moved)
-        defect = 0.0
         if unresolved:
-            defect = weighed(tables.defects[d, level, :, begin:end], values, rates)
-        panel.defect[group] = defect
+            for kind in range(DEFECTS):
+                panel.defect[kind, group] = weighed(tables.defects[d, level, kind, :, begin:end], values, rates)
 
 
 @kernel
@@ -261,14 +261,20 @@ def push_bending(panels, panel, d):
 
 
 @kernel
+def bend(panels, panel, forced, d):
+    """Fill foreshortening at the stages; the ends must have moved by their loads."""
+    for group in range(AXIAL_EVEN):
+        move_low(panels, panel, forced, d, group)
+    foreshorten(panels.forms[d], panel)
+
+
+@kernel
 def couple(panels, panel, forced, d):
     """Forces of foreshortening in a panel at the stages, the axial ones first: tension is what they leave.
 
     The ends must have moved by their loads, among which are the forces on the rest of their values: these change here.
     """
-    for group in range(AXIAL_EVEN):
-        move_low(panels, panel, forced, d, group)
-    foreshorten(panels.forms[d], panel)
+    bend(panels, panel, forced, d)
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):
         move_low(panels, panel, forced, d, group)

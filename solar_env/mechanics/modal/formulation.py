@@ -26,7 +26,7 @@ from solar_env.mechanics.modal.build import compile_modal
 from solar_env.mechanics.modal.foreshortening import bending_shapes
 from solar_env.mechanics.modal.method import start_loads
 from solar_env.mechanics.modal.motion import look_at
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, EVEN_ENDS, ODD_ENDS
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, EVEN_ENDS, LAST, ODD_ENDS
 from solar_env.mechanics.numerics.jit import kernel
 
 # Parts of a panel's axis, each with as many points as an element of a beam.
@@ -55,7 +55,7 @@ class FloatingFrames(Formulation):
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Return the greatest violations of the ideal joints, in m and m/s."""
-        motion = np.abs(state.motion[model.joints["kind"] == IDEAL])
+        motion = np.abs(present_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, :, LAST])
         gaps, rates = motion[:, [ECCENTRICITY_X, ECCENTRICITY_Y]], motion[:, [VELOCITY_X, VELOCITY_Y]]
         return float(gaps.max(initial=0.0)), float(rates.max(initial=0.0))
 

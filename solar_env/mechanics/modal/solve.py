@@ -29,7 +29,7 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_Y,
 )
 from solar_env.mechanics.modal.elimination import eliminate, substitute
-from solar_env.mechanics.modal.ends import add_modal_forces, couple, forced_ends, free_ends, shorten_ends
+from solar_env.mechanics.modal.ends import add_modal_forces, bend, couple, forced_ends, free_ends, shorten_ends
 from solar_env.mechanics.modal.equations import contact_rows, fill_torques, piece_of_law, reaction_row, torque_row
 from solar_env.mechanics.modal.motion import (
     NODES_IN_LANES,
@@ -57,16 +57,15 @@ from solar_env.mechanics.modal.unknowns import DEVIATION, fill_mobility, list_ro
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, splat4, square_roots, store4, where_less
 
-_MOST_ITERATIONS = 15
-# Foreshortening is of second order: its forces, which go on along their course, are renewed in so many iterations; with
-# ideal joints in the later ones, too.
-_COUPLED_ITERATIONS = 1
-_LATE = 3
+_MOST_ITERATIONS = 30
+# Foreshortening is of second order: its forces, which go on along their course, are renewed in the first iteration, and
+# after corrections above so many tolerances; with ideal joints always.
+_COARSE = 10.0
 # The matrix is kept while the correction shrinks to this share of the one before, up to so many iterations.
 _SHRINKING = 0.1
 _KEPT_ITERATIONS = 8
 # The iteration ends where the corrections to come are less than this share of the tolerance.
-_CONVERGED = 0.01
+_CONVERGED, _CONVERGED_REACTIONS = 0.01, 0.05
 _HOPELESS = 1e12
 # Over the last step, up to which a load's course is followed into the next one; beyond it goes on along its tangent.
 _FOLLOWED = 1.6
@@ -162,10 +161,11 @@ def start_stages(model, state, work, h):
 
 
 @kernel
-def move_stages(model, state, work, tables, level, h, coupled):
+def move_stages(model, state, work, tables, level, h, shaped, coupled):
     """Motion of bodies, attachments and joints at the stages under the present loads.
 
-    Where `coupled`, the forces of foreshortening are renewed; they belong to amplitudes under those of before.
+    Where `shaped`, foreshortening is renewed, and where `coupled` its forces, too; they belong to amplitudes under
+    those of before.
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
@@ -178,6 +178,8 @@ def move_stages(model, state, work, tables, level, h, coupled):
                 couple(model.panels, panel, forced, d)
                 # The forces on the rest of the end values are among the loads.
                 forced_ends(panel, tables.responses[d, level].response, AXIAL_EVEN)
+            elif shaped:
+                bend(model.panels, panel, forced, d)
             add_modal_forces(model.panels, panel, forced, d)
             shorten_ends(panel)
     move_attachments(model, work)
@@ -303,11 +305,12 @@ def solve_step(model, state, work, settings, tables, level, h):
     before, renewed, constrained, solved = math.inf, True, False, 0
     for r in range(n):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
+    work.step[0].constrained = constrained
     for iteration in range(_MOST_ITERATIONS):
         state.clock[0].evaluations += 1
         # A reaction holds the joint where foreshortening has it: it must not be left behind.
-        coupled = iteration < _COUPLED_ITERATIONS or (constrained and (iteration == 1 or iteration >= _LATE))
-        move_stages(model, state, work, tables, level, h, coupled)
+        coupled = constrained or iteration == 0 or before > _COARSE
+        move_stages(model, state, work, tables, level, h, coupled, coupled)
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
@@ -325,7 +328,7 @@ def solve_step(model, state, work, settings, tables, level, h):
         # joint would be a blow in the next step. A first correction may do without contacts and reactions, whose
         # directions are not known before.
         left = size * size / (before - size) if size < before < math.inf and not constrained else size
-        if min(left, size) <= _CONVERGED and (iteration > 0 or n == 0):
+        if min(left, size) <= (_CONVERGED_REACTIONS if constrained else _CONVERGED) and (iteration > 0 or n == 0):
             return True
         renewed = (iteration > 0 and not shrinking) or iteration >= _KEPT_ITERATIONS
         before = size

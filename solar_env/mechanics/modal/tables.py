@@ -74,6 +74,10 @@ GREATEST_STEP = 0.032
 LEVELS = 50
 _SIZES = GREATEST_STEP * 2.0 ** (-0.5 * np.arange(LEVELS))
 
+# Errors of a vibration that is not resolved: of its rate, and of its value times its frequency. Either one vanishes at
+# some phases.
+DEFECTS = 2
+
 # Groups of modes. Values of an end: deflection and slope in bending, axial displacement (and nothing) in stretching.
 BENDING_EVEN, BENDING_ODD, AXIAL_EVEN, AXIAL_ODD = range(4)
 GROUPS = 4
@@ -96,7 +100,8 @@ mode_type = record(
 answer_type = record(
     [
         ("coefficient", np.float64, COEFFICIENTS),  # see COEFFICIENTS
-        ("defect", np.float64, 2),  # of the rate at the end by start value and by start rate
+        # Of the rate at the end by start value and by start rate; then of the value, times the frequency.
+        ("defect", np.float64, 2 * DEFECTS),
     ]
 )
 
@@ -108,8 +113,8 @@ response_type = record(
     [
         # Of value i by load j of a group, COLUMNS for the load at each stage.
         ("response", np.float64, (GROUPS, VALUES, VALUES, BY_LOAD)),
-        # Defect of the rate of the first value by load j at the start: what the load holds in place does not vibrate.
-        ("held", np.float64, (GROUPS, VALUES)),
+        # Defects of the first value by load j at the start: what the load holds in place does not vibrate.
+        ("held", np.float64, (DEFECTS, GROUPS, VALUES)),
         ("unresolved", np.int64),  # number of modes with a defect
     ]
 )
@@ -125,7 +130,7 @@ panel_scratch = record(
         # Rates of the coupled axial amplitudes less those of foreshortening, at the end.
         ("strain_rate", np.float64, (GROUPS, LOW)),
         ("free", np.float64, (GROUPS, VALUES, COLUMNS)),  # free motion of the ends
-        ("defect", np.float64, GROUPS),  # of the first value's rate at the end of the step
+        ("defect", np.float64, (DEFECTS, GROUPS)),  # of the first value at the end of the step, free
         ("ends", np.float64, (GROUPS, VALUES, COLUMNS)),  # motion of the ends
         ("low_free", np.float64, (GROUPS, LOW, COLUMNS)),  # free motion of the modes that foreshortening couples
         ("low", np.float64, (GROUPS, LOW, COLUMNS)),  # motion of the coupled coordinates
@@ -170,7 +175,7 @@ class Tables(NamedTuple):
     free: Array  # (D, L, modes, 2 COLUMNS) motion at the stages by start value and start rate
     forced: Array  # (D, L, GROUPS, LOW, BY_LOAD) motion at the stages of the coupled modes by their loads
     ends: Array  # (D, L, END_ROWS, modes) motion at the end, see END_ROWS
-    defects: Array  # (D, L, 2, modes) of the first end's rate at the end by start value and start rate of a mode
+    defects: Array  # (D, L, DEFECTS, 2, modes) of the first end's motion by start value and start rate of a mode
     responses: NDArray[np.void]  # (D, L) rows of `response_type`
 
 
@@ -183,7 +188,7 @@ def make_tables(panels: Panels, levels: int) -> Tables:
         free=np.zeros((*shape, modes, 2 * COLUMNS)),
         forced=np.zeros((*shape, GROUPS, LOW, BY_LOAD)),
         ends=np.zeros((*shape, END_ROWS, modes)),
-        defects=np.zeros((*shape, 2, modes)),
+        defects=np.zeros((*shape, DEFECTS, 2, modes)),
         responses=np.zeros(shape, response_type),
     )
 
@@ -283,7 +288,8 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
 def fill_answer(frequency, damping_rate, exact, h, answer):
     """Fill an `answer_type` of a mode for a step `h` [s]; a damped one is exact for omega h up to `exact`."""
     coefficients, phase = answer.coefficient, frequency * h
-    answer.defect[0], answer.defect[1] = 0.0, 0.0
+    for c in range(2 * DEFECTS):
+        answer.defect[c] = 0.0
     short, underdamped = 2.0 * damping_rate * h < RESOLVED, frequency > damping_rate
     if short and (phase < RESOLVED or (underdamped and phase < exact and damping_rate > _DAMPED * frequency)):
         if phase < _SERIES:
@@ -298,6 +304,8 @@ def fill_answer(frequency, damping_rate, exact, h, answer):
         sine, cosine = decay * math.sin(damped * h) / damped, decay * math.cos(damped * h)
         answer.defect[0] = -frequency * frequency * sine - coefficients[FROM_VALUE + END_RATE]
         answer.defect[1] = cosine - damping_rate * sine - coefficients[FROM_RATE + END_RATE]
+        answer.defect[2] = frequency * (cosine + damping_rate * sine - coefficients[FROM_VALUE + END_VALUE])
+        answer.defect[3] = frequency * (sine - coefficients[FROM_RATE + END_VALUE])
 
 
 @kernel
@@ -315,14 +323,15 @@ def side(end):
 @kernel
 def add_mode(mode, answer, group, own):
     """Add what a mode of a group does to the responses of a step size."""
-    held = answer.defect[0] * mode.row[0] / (mode.frequency * mode.frequency)
     for i in range(values_of(group)):
         for j in range(values_of(group)):
             product, row = mode.row[i] * mode.row[j], own.response[group, i, j]
             for k in range(STAGES):
                 moved = load8(answer.coefficient, FROM_LOAD + COLUMNS * k)
                 store8(row, COLUMNS * k, load8(row, COLUMNS * k) + product * moved)
-        own.held[group, i] -= held * mode.row[i]
+        for kind in range(DEFECTS):
+            held = answer.defect[2 * kind] * mode.row[0] / (mode.frequency * mode.frequency)
+            own.held[kind, group, i] -= held * mode.row[i]
     own.unresolved += answer.defect[0] != 0.0
 
 
@@ -335,8 +344,9 @@ def keep_answer(tables, mode, d, level, k, answer):
     for case in range(2 + STAGES):
         tables.ends[d, level, case, k] = coefficients[COLUMNS * case + END_VALUE]
         tables.ends[d, level, 2 + STAGES + case, k] = coefficients[COLUMNS * case + END_RATE]
-    for case in range(2):
-        tables.defects[d, level, case, k] = mode.row[0] * answer.defect[case]
+    for kind in range(DEFECTS):
+        for case in range(2):
+            tables.defects[d, level, kind, case, k] = mode.row[0] * answer.defect[2 * kind + case]
 
 
 @kernel(inlined=False)
@@ -348,7 +358,8 @@ def fill_level(panels, tables, level, h):
         own.unresolved = 0
         for group in range(GROUPS):
             for i in range(VALUES):
-                own.held[group, i] = 0.0
+                for kind in range(DEFECTS):
+                    own.held[kind, group, i] = 0.0
                 for j in range(VALUES):
                     for c in range(BY_LOAD):
                         own.response[group, i, j, c] = 0.0

@@ -13,10 +13,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from agents.commands.arguments import ModelOptions
 from agents.comparison.controllers import parse_controllers
-from agents.comparison.evaluation import MODEL
 from agents.comparison.figures import deployments_figure
 from agents.comparison.report import TABLE
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.environments import DEFAULT_ENV_ID, MODEL, episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller
 from solar_env.array import ArrayParameters

@@ -14,8 +14,9 @@ from rich.console import Console
 
 from agents.comparison.controllers import NamedController, parse_controller, parse_controllers
 from agents.comparison.report import Row
-from agents.environments import DEFAULT_ENV_ID, INTERFACE, episode_seeds, make_env, with_sampling
-from agents.laws.baselines import CONFIGS, is_tuned, make_baseline
+from agents.configs import CONFIGS
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, MODEL, episode_seeds, make_env, with_sampling
+from agents.laws.baselines import is_tuned, make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
 from agents.policies import shipped
@@ -28,12 +29,6 @@ from solar_env.support.progress import counting_bar
 Figures = dict[str, float | int | bool]
 STORE = "episodes.jsonl"
 """Name of a file that keeps the figures of finished episodes."""
-# Suites are judged on this model, whose peak forces have converged, and searches train on it. It is also the
-# cheapest with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and
-# 380, 270 and 172 with 2, 4 and 6 beam elements.
-MODEL: dict[str, Any] = {"model": "flexible-clearance"}
-# What learns from single steps needs more episodes than there is time for with flexible panels.
-RIGID: dict[str, Any] = {"model": "rigid-clearance"}
 # Name -> environment id of the scenario.
 SUITES = {"paper": DEPLOY, "robust": DEPLOY_RANDOMISED}
 

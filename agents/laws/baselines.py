@@ -7,13 +7,13 @@ from typing import Any
 
 import gymnasium
 
+from agents.configs import CONFIGS
 from agents.laws.table import LAWS, TUNABLE
 from agents.torque_laws import Controller, LawParameters, Signals
 from solar_env.array import ModelLevel
 from solar_env.support.files import write_text
 from solar_env.support.plain_arrays import read_json
 
-CONFIGS = Path(__file__).parents[1] / "configs"
 FALLBACK_MODEL = "rigid-clearance"
 """Model whose parameters a model without its own gets."""
 

@@ -12,8 +12,8 @@ import numpy as np
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
+from agents.configs import CONFIGS
 from agents.environments import INTERFACE, NAMESPACE, episode_seeds, with_sampling
-from agents.laws.baselines import CONFIGS
 from agents.learning.weight_search import CMAES, WeightSearch
 from agents.policies import shipped
 from agents.policies.shipped import ShippedPolicy

@@ -124,8 +124,8 @@ def interface_comment(description: Description, drive: Hardware) -> list[str]:
     if some_formula:
         lines += [f"  {word}: {meaning}" for word, meaning in FORMULA_WORDS.items()]
     lines += [
-        f"the unit torque_limit is {limit:g} N m, deadline {description.deadline:g} s, postlock_window "
-        f"{description.postlock_window:g} s, and the lock angle pi/2 of joint 1, pi of the others.",
+        f"the unit torque_limit is {limit:g} N m, deadline {description.deadline:g} s, settling_window "
+        f"{description.settling_window:g} s, and the lock angle pi/2 of joint 1, pi of the others.",
         "",
         "Action, clipped to [-1, 1] by the function; positive opens:",
     ]

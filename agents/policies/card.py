@@ -48,7 +48,7 @@ Kept is the policy that did best in the validations along the way.
 ## Limits
 
 * Trained on the model, scenario, draws, sensors and motor above, with a control period of {task.control_period} s, a
-  deadline of {task.deadline} s and {task.postlock_window} s after the last latch. Do not trust it with models,
+  deadline of {task.deadline} s and {task.settling_window} s after the last latch. Do not trust it with models,
   parameters, initial states, sensors, motors or periods on which neither training nor the scores above have tried it.
 * It expects these {len(names)} entries in this order, in the units of the environment:
   {", ".join(f"`{entry}`" for entry in names)}. {action}

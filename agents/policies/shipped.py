@@ -25,7 +25,7 @@ DESCRIPTION = "policy.json"
 ONNX = "policy.onnx"
 CARD = "card.md"
 FORMAT = 5
-UNITS = ("torque_limit", "deadline", "control_period", "postlock_window")
+UNITS = ("torque_limit", "deadline", "control_period", "settling_window")
 _MEMBER = re.compile(rf"({'|'.join(Layer._fields)})_\d{{1,3}}")
 _MOST_BYTES = 2**26
 
@@ -41,7 +41,7 @@ class Description:
         env_id: Environment that it was trained on.
         env_kwargs: Keywords of that environment.
         observation_names: Name of every entry, in order; they stand in the comment of a C header.
-        torque_limit, deadline, control_period, postlock_window: See `Signals`.
+        torque_limit, deadline, control_period, settling_window: See `Signals`.
 
     Raises:
         ValueError: On construction, for a value of another kind, a module in the environment's id, or a unit that is
@@ -60,7 +60,7 @@ class Description:
     torque_limit: float
     deadline: float
     control_period: float
-    postlock_window: float
+    settling_window: float
 
     def __post_init__(self) -> None:
         check_types(self)

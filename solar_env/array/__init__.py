@@ -1,8 +1,8 @@
 """The deployable solar array: its parameters with their sources and presets, and the mechanism that they describe.
 
-`names` refuses unknown names; `parameters` holds the values, their checks, ranges and files, `level` says how panels
-and joints are modelled, `construction` turns both into a mechanism, `methods` says which integrator a level gets and
-whether it is compiled; `deployment` simulates one, `data_files` keeps it, `ladder` chooses the cheapest level.
+`parameters` holds the values, their checks, ranges and files, `level` says how panels and joints are modelled,
+`construction` turns both into a mechanism, `methods` says which integrator a level gets and whether it is compiled;
+`deployment` simulates one, `data_files` keeps it, `ladder` chooses the cheapest level.
 
 Imports `mechanics` and `support`. A new parameter is a field of `ArrayParameters`, documented there, and its use in
 `construction`.

@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from solar_env.array.names import unknown_name
+from solar_env.support.names import unknown_name
 from solar_env.support.readme import PACKAGE
 
 COMMANDS = "solar_env.commands"

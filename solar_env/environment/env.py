@@ -79,7 +79,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Episode End
 
-    * Termination: `postlock_window` after the last latching (the last step is cut to end there), or at the deadline if
+    * Termination: `settling_window` after the last latching (the last step is cut to end there), or at the deadline if
       a joint is still open.
     * Truncation: never by itself. With the defaults an episode has at most 300 steps.
 
@@ -93,7 +93,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ## Arguments
 
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `version`,
-    `torque_limit`, `control_period`, `deadline`, `postlock_window`, `driven_joint`, `action`, `observation`, `reward`,
+    `torque_limit`, `control_period`, `deadline`, `settling_window`, `driven_joint`, `action`, `observation`, `reward`,
     `scenario`, `randomize`, `hardware`, `render_mode` and `max_steps`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,

@@ -10,7 +10,6 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.methods import landing_integrator
-from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import SCENARIOS
@@ -20,6 +19,7 @@ from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS, Task
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.running.simulation import Simulation
+from solar_env.support.names import changed, unknown_name
 
 RENDER_MODES = ("human", "rgb_array")
 Changes = Mapping[str, Any]
@@ -37,7 +37,7 @@ class EnvironmentSettings:
             that answers a question.
         parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
         version: of the task, with the values of the next four keywords and the prices of the reward.
-        torque_limit, control_period, deadline, postlock_window: see `task.task.Task`; by default the version's.
+        torque_limit, control_period, deadline, settling_window: see `task.task.Task`; by default the version's.
         driven_joint, action: see `task.task.Task`.
         observation: "drive", "history", "landing" or "privileged", or names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
@@ -61,7 +61,7 @@ class EnvironmentSettings:
     torque_limit: float | None = None
     control_period: float | None = None
     deadline: float | None = None
-    postlock_window: float | None = None
+    settling_window: float | None = None
     driven_joint: int = Task.driven_joint
     action: str = Task.action
     observation: str | Names = "drive"

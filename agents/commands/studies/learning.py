@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from agents.comparison.evaluation import RIGID, evaluate
+from agents.comparison.evaluation import evaluate
 from agents.comparison.figures import Curve, learning_curves_figure
-from agents.environments import DEFAULT_ENV_ID, environment_settings
+from agents.environments import DEFAULT_ENV_ID, RIGID, environment_settings
 from agents.learning import learn, runs
 from solar_env.commands.study import Args
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table

@@ -15,10 +15,10 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from solar_env.array.names import unknown_name
 from solar_env.array.parameters.checks import row_of
 from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
+from solar_env.support.names import unknown_name
 from solar_env.support.numbers import is_number
 from solar_env.support.plain_arrays import read_at_most
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from solar_env.array.names import unknown_name
 from solar_env.array.parameters.parameters import ArrayParameters
+from solar_env.support.names import unknown_name
 from solar_env.support.numbers import is_number, plain
 
 # Joint rates [rad/s], either way of rest, at which deployments that are meant to be alike are released: impacts are

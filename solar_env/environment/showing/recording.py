@@ -29,7 +29,7 @@ class RecordTrajectory(gymnasium.Wrapper):
         """Begin an episode, and its record."""
         result = super().reset(seed=seed, options=options)
         env: Any = self.unwrapped
-        longest = env.task.deadline + env.task.postlock_window + env.task.control_period
+        longest = env.task.deadline + env.task.settling_window + env.task.control_period
         times = np.arange(math.ceil(longest / self._step)) * self._step
         self._recorder = make_recorder(env.simulation.model, env.simulation.state, times, _CONTACTS)
         env._episodes.batch.record(self._recorder)

@@ -27,7 +27,7 @@ def passive_episode(env):
 
 
 def test_a_recorded_episode_stays_the_same_to_the_bit_and_agrees_with_its_figures():
-    plain = gymnasium.make(DEPLOY, model="rigid-clearance", deadline=13.0, postlock_window=1.0)
+    plain = gymnasium.make(DEPLOY, model="rigid-clearance", deadline=13.0, settling_window=1.0)
     recorded = RecordTrajectory(plain, output_step=0.002)
     expected = passive_episode(plain)
     assert passive_episode(recorded) == expected
@@ -79,7 +79,7 @@ def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
 def test_a_film_shows_all_controllers_in_their_time(suffix, tmp_path):
     encoder = pytest.importorskip("imageio_ffmpeg")
     path, (width, speed) = tmp_path / f"film{suffix}", replay.FILMS[suffix]
-    short = [*RIGID, "--env-kwargs", "deadline=0.9", "postlock_window=0.3", "control_period=0.3"]
+    short = [*RIGID, "--env-kwargs", "deadline=0.9", "settling_window=0.3", "control_period=0.3"]
     assert main(["replay", "--controllers", "passive", "damper", *short, "--out", str(path)]) == 0
     frames = round(0.9 / (speed / replay.FRAMES_PER_SECOND))
     if suffix == ".mp4":
@@ -105,7 +105,7 @@ def test_every_episode_of_a_film_stands_under_its_controllers_name(tmp_path):
 def test_a_figure_shows_the_same_episode_of_every_controller(tmp_path, monkeypatch):
     drawn, draw = [], replay.deployments_figure
     monkeypatch.setattr(replay, "deployments_figure", lambda *given: drawn.append(given[0]) or draw(*given))
-    short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "postlock_window=1.0"]
+    short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "settling_window=1.0"]
     assert main(["replay", *RIGID, *short, "--out", str(tmp_path / "figure.png")]) == 0
     with Image.open(tmp_path / "figure.png") as figure:
         assert min(figure.size) > 500

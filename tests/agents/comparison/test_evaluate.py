@@ -93,7 +93,7 @@ def test_finished_episodes_that_are_none_are_told_by_their_file(tmp_path, capsys
     assert error.count("\n") == 1
 
 
-QUICK = ["deadline=0.5", "postlock_window=0.2"]
+QUICK = ["deadline=0.5", "settling_window=0.2"]
 
 
 def evaluated_on(folder, *arguments):

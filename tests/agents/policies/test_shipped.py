@@ -128,7 +128,7 @@ def test_observations_and_environments_of_another_kind_are_refused(finished):
     for keywords, message in [
         ({"torque_limit": 0.3}, r"torque_limit is 0\.3; the policy was trained with 0\.5"),
         ({"control_period": 0.1}, r"control_period is 0\.1; the policy was trained with 0\.5"),
-        ({"postlock_window": 5.0}, r"postlock_window is 5\.0; the policy was trained with 2\.0"),
+        ({"settling_window": 5.0}, r"settling_window is 5\.0; the policy was trained with 2\.0"),
         ({"observation": "history"}, r"names is .*theta_1_1_ago"),
     ]:
         with make_env(env_kwargs={**QUICK, **keywords}) as env, pytest.raises(ValueError, match=message):

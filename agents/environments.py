@@ -26,7 +26,7 @@ RIGID: Mapping[str, str] = {"model": "rigid-clearance"}
 # place of a hinge by micrometres would not do: they would share their first seconds, and the errors of these.
 SAMPLED = "initial_rate"
 
-# They say what is observed, what an action is and how long it holds: each controller has its own.
+# They say what is observed, what an action is and how long it holds: controllers differ in them.
 INTERFACE = ("observation", "action", "control_period")
 
 Purpose = Literal["training", "validation", "evaluation"]

@@ -104,12 +104,12 @@ def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, An
         f"{figures[best]['return']:.3g}.",
         "One episode, the same for all: impacts are chaotic, so compare many with solar-env evaluate.",
     ]
-    shown = {name: row for name, row in TABLE.items() if all(name in own for own in figures.values())}
+    shown = {name: row for name, row in TABLE.items() if all(name in of for of in figures.values())}
     rows = [
-        [words, *(f"{factor * own[name]:.4g}" for own in figures.values())] for name, (words, factor) in shown.items()
+        [words, *(f"{factor * of[name]:.4g}" for of in figures.values())] for name, (words, factor) in shown.items()
     ]
     terms = [name for name in next(iter(figures.values())) if name.startswith("reward_")]
-    rows += [[name.replace("_", " "), *(f"{own[name]:.3g}" for own in figures.values())] for name in terms]
+    rows += [[name.replace("_", " "), *(f"{of[name]:.3g}" for of in figures.values())] for name in terms]
     table = Table("Figures of the episode", ["figure", *figures], rows)
     motions = [motion_of(trajectory, name) for name, trajectory in episodes.items()]
     notes = [f"Made by: {command}", ", ".join(f"{name} {value}" for name, value in versions().items())]

@@ -113,6 +113,6 @@ def resumed(args: Args, folder: str) -> runs.Configuration:
     for name in FIXED:
         given = getattr(args, name)
         if given not in (None, {}):
-            raise ValueError(f"--{name.replace('_', '-')} {given}: --resume goes on with the run's own; leave it out")
+            raise ValueError(f"--{name.replace('_', '-')} {given}: --resume goes on with the run's; leave it out")
     config = runs.read_config(folder)
     return config if args.timesteps is None else replace(config, timesteps=args.timesteps)

@@ -15,7 +15,7 @@ from solar_env.support.files import write_text
 from solar_env.support.plain_arrays import read_json
 
 FALLBACK_MODEL = "rigid-clearance"
-"""Model whose parameters a model without its own gets."""
+"""Model whose parameters a model gets for which none were tuned."""
 
 
 class UntunedWarning(UserWarning):
@@ -53,7 +53,7 @@ def store_parameters(name: str, env_id: str, model: str, entry: dict[str, Any]) 
 
 
 def is_tuned(name: str, env_id: str, model: str) -> bool:
-    """Return whether the law `name` has parameters of its own for a model of `env_id`."""
+    """Return whether the law `name` has parameters tuned for a model of `env_id`."""
     return model in _entries(name).get(env_id, {})
 
 
@@ -83,7 +83,7 @@ def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
 def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | None = None) -> Controller:
     """Make the controller `name` for `env`; those of `TUNABLE` take `parameters`.
 
-    By default these are the ones tuned for the environment's own model or, with a warning, those for the rigid
+    By default these are the ones tuned for the environment's model or, with a warning, those for the rigid
     array with clearance where that model has none; see `load_parameters`.
 
     Raises:

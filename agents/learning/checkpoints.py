@@ -212,6 +212,6 @@ class Checkpoints(BaseCallback):
             self._begun = None
 
     def _write(self) -> None:
-        with deaf():  # torch takes an interruption for a fault of its own
+        with deaf():  # torch takes an interruption for its fault
             write(self._folder, taken(self.model, self._validation, self._folder))
         self._latest = self.num_timesteps

@@ -106,7 +106,7 @@ def complete(
     Args:
         algo, env_id, env_kwargs, seed, n_envs, timesteps: See `Configuration`.
         hyperparameters: Values in place of single ones of the file, and of single "policy_kwargs" of its. The algorithm
-            refuses its own when the model is made.
+            refuses wrong ones when the model is made.
 
     Raises:
         ValueError: Algorithm, environment or one of its keywords is unknown, or a number is out of range.

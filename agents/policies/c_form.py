@@ -16,7 +16,7 @@ _ACTIVATIONS = {"relu": "fmaxf(sum, 0.0f)", "tanh": "tanhf(sum)"}
 
 
 def c_header(network: PolicyNetwork, name: str, comment: Sequence[str]) -> str:
-    """C99 that computes a network's action, without memory of its own beyond the stack.
+    """C99 that computes a network's action, without memory beyond the stack.
 
     Args:
         network: of one output.

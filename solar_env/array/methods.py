@@ -26,8 +26,8 @@ INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 def default_integrator(model: str | ModelLevel) -> RungeKutta:
     """The integrator that a level of the model gets when none is named.
 
-    Linearly implicit with panels of beam elements, whose stiff vibrations would bound explicit steps; that of modal
-    panels is their own. The tolerances come from measured errors: angles, latch times and statistics of impacts
+    Linearly implicit with panels of beam elements, whose stiff vibrations would bound explicit steps; modal panels have
+    `ModalRadau`. The tolerances come from measured errors: angles, latch times and statistics of impacts
     (`solar-env study precision`).
     """
     level = ModelLevel.of(model)

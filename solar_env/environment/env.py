@@ -37,7 +37,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | 0   | Motor torque on the driven hinge, positive opens; held for a period | -1 | 1 | `torque_limit` (N m) |
 
     With `action="rate"` the action a is the setpoint 5e-4 sinh(7 a) rad/s, up to 0.27 either way, of the hinge drive's
-    own rate loop: a motor torque of `rate_loop_gain` times the error of the hinge's rate, at most the torque limit, is
+    rate loop: a motor torque of `rate_loop_gain` times the error of the hinge's rate, at most the torque limit, is
     set `rate_loop_frequency` times in a second, behind a low-pass filter of `rate_loop_lag`. They are of the keyword
     `hardware`, by default 12 N m s/rad, 100 Hz and 0.1 s.
 

@@ -26,7 +26,7 @@ class Hardware:
         motor_lag: time constant with which the motor torque follows the action [s]; 0 for none.
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
         attitude_noise: standard deviation of the noise of the measured direction of the main body [rad].
-        rate_loop_gain: torque of the drive's own rate loop per error of the rate [N m s/rad]; of `action="rate"`.
+        rate_loop_gain: torque of the drive's rate loop per error of the rate [N m s/rad]; of `action="rate"`.
         rate_loop_frequency: samples of that loop in a second [Hz]; it reads its rate with `rate_noise` and without
             delay, and holds its torque from one sample to the next.
         rate_loop_lag: time constant of the low-pass filter of that loop's torque [s]; 0 for none. Without it the loop

@@ -226,7 +226,7 @@ def _by_lane(name: str, given: Any, lanes: int) -> list[Any]:
 
 
 class Lane:
-    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector."""
+    """One lane as the single environment that it stands for: the lane's attributes, and those of the whole vector."""
 
     def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
         self._env, self._index = env, index

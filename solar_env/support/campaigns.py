@@ -63,8 +63,8 @@ def each_done(
     with starting_workers():
         results = Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
     with warnings.catch_warnings():
-        # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in a thread of
-        # its own. Made an error, by a filter, the warning would end this thread, and results would never come.
+        # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in another
+        # thread. Made an error, by a filter, the warning would end this thread, and results would never come.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         yield from results
 

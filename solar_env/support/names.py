@@ -17,7 +17,7 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
 
 
 def changed(kind: str, values: Values, changes: Mapping[str, Any]) -> Values:
-    """A copy of a dataclass with some fields changed; its own checks refuse bad values.
+    """A copy of a dataclass with some fields changed; the dataclass's checks refuse bad values.
 
     Raises:
         ValueError: if they are no mapping, a name is unknown, said of this kind of value, or a value is refused.

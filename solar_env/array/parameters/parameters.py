@@ -96,8 +96,8 @@ class ArrayParameters:
             "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing.
         restitution: coefficient of restitution of the contact law.
         contact_stiffness: K [N/m^1.5] between spheres; None computes it by the paper's Eq 40 from the radii and the
-            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes its own, of
-            another unit, from these and bearing_width, and needs None.
+            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes one of
+            another unit from these and bearing_width, and needs None.
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             where the stiffness is computed; a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: a hundredth

@@ -41,7 +41,7 @@ def page_text(page: Page) -> str:
     }
     answer = "".join(f"<p>{html.escape(line)}</p>" for line in page.answer)
     notes = "".join(f"<p>{html.escape(line)}</p>" for line in page.notes)
-    unpack, own = ((_FOLDER / name).read_text(encoding="utf-8") for name in ("unpack.js", "page.js"))
+    unpack, program = ((_FOLDER / name).read_text(encoding="utf-8") for name in ("unpack.js", "page.js"))
     numbers = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{html.escape(page.title)}</title>
@@ -57,7 +57,7 @@ def page_text(page: Page) -> str:
 <section id="tables">{"".join(map(_table, page.tables))}</section><footer>{notes}</footer>
 <script type="text/plain" id="data">{_packed(numbers)}</script>
 <script type="text/plain" id="library">{_packed(get_plotlyjs())}</script>
-<script type="text/plain" id="program">{_packed(own)}</script>
+<script type="text/plain" id="program">{_packed(program)}</script>
 <script>{unpack}</script></body></html>
 """
 

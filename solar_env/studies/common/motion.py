@@ -32,7 +32,7 @@ class Scene:
     forces_kept: bool = False  # whether programs that sample peak contact forces must do so at every step
 
     def mechanism(self) -> Mechanism:
-        """The array as the project's own simulator takes it."""
+        """The array as our simulator takes it."""
         return build(self.parameters, self.model)
 
     @property
@@ -93,8 +93,8 @@ def _deviations(member: int, count: int, stream: int = 0) -> Array:
     return np.random.default_rng([member, stream]).uniform(-1.0, 1.0, count) * (member > 0)
 
 
-def run_own(scene: Scene, integrator: Integrator) -> Motion:
-    """A scene with one of the project's own integrators.
+def run_ours(scene: Scene, integrator: Integrator) -> Motion:
+    """A scene with one of our integrators.
 
     Raises:
         SimulationError: if the run cannot go on.
@@ -106,7 +106,7 @@ def run_own(scene: Scene, integrator: Integrator) -> Motion:
 
 
 def from_trajectory(trajectory: Trajectory) -> Motion:
-    """Motion of a run of the project's own simulator."""
+    """Motion of a run of our simulator."""
     latched = np.nanmin([*trajectory.latch_times, math.inf])
     late = trajectory.contacts[trajectory.contacts["start_s"] > latched]
     return Motion(

@@ -167,24 +167,24 @@ def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
     rows: list[Row] = []
     for question in QUESTIONS:
         *levels, (_, reference) = done[question == RANKING].items()
-        for level, own in levels:
-            error, half_width = error_of(question, own, reference)
+        for level, runs in levels:
+            error, half_width = error_of(question, runs, reference)
             answer = Answer(
                 question,
                 str(level.panels),
                 error,
                 half_width,
-                statistics.median(run.wall for run in own) / statistics.median(run.wall for run in reference),
-                statistics.fmean(run.evaluations for run in own),
-                len(own),
+                statistics.median(run.wall for run in runs) / statistics.median(run.wall for run in reference),
+                statistics.fmean(run.evaluations for run in runs),
+                len(runs),
             )
             rows.append(dict(vars(answer)))
     return rows
 
 
-def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
-    """Error of a level's own runs against as many of the reference's, and the half-width of its sampling band."""
-    level, other = (np.stack([run.answers[question] for run in runs]) for runs in (own, reference[: len(own)]))
+def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
+    """Error of a level's runs against as many of the reference's, and the half-width of its sampling band."""
+    level, other = (np.stack([run.answers[question] for run in runs]) for runs in (found, reference[: len(found)]))
     if question == RANKING:
         return ranking_error(level, other)
     scale = np.abs(other.mean(axis=0)).sum(axis=-1)

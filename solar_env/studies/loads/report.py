@@ -23,7 +23,7 @@ _SHOWN = slice(3, None, 6)  # of the frequencies, in the table
 def answer(loads: Loads) -> list[str]:
     """Five lines: peak force, impulse, wear, hub, and what they rest on.
 
-    Each figure comes with the interval of its mean, its high quantile and its own model error.
+    Each figure comes with the interval of its mean, its high quantile and its model error.
     """
     worst = {name: _worst(loads.figures[name]) for name in ("peak_force", "impulse", "wear_depth")}
     stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in worst.items()}

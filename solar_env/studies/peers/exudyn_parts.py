@@ -65,7 +65,7 @@ class PeerArray(ABC):
         return node, self.system.AddObject(body)
 
     def point(self, body: int, x: float, y: float = 0.0) -> int:
-        """Marker of a body's point (x, y) in its own frame [m]."""
+        """Marker of a body's point (x, y) in the body's frame [m]."""
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:

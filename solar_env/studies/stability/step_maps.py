@@ -1,7 +1,7 @@
 """Maps of fixed steps: changes of the step on index-3 multipliers, and stiff stops.
 
 A pendulum swings for a second; then the step changes, and the library solves accelerations and multiplier afresh. It is
-judged by the tension that its own position and velocity ask for: m (v^2 - g . r) / L^2 is the multiplier of the length
+judged by the tension that its position and velocity ask for: m (v^2 - g . r) / L^2 is the multiplier of the length
 constraint. The mode that grows with rho_inf = 1: A. Cardona and M. Geradin, Comput. Struct. 33 (1989) 801,
 doi:10.1016/0045-7949(89)90255-6.
 

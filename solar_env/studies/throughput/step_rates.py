@@ -174,12 +174,12 @@ def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
     rows = [
         (
             model,
-            *(f"{own[str(lanes)]:,.0f}" for lanes in LANES),
-            f"{own['threads']:.2f}",
-            f"{own['physics']:.1%}",
-            *(f"{own[peer]:.2f}" for peer in PEERS),
+            *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES),
+            f"{measured['threads']:.2f}",
+            f"{measured['physics']:.1%}",
+            *(f"{measured[peer]:.2f}" for peer in PEERS),
         )
-        for model, own in figures.items()
+        for model, measured in figures.items()
     ]
     return (
         f"Environment steps (0.1 s) per second by number of lanes, {threads} threads; with {SCALED_LANES} lanes the "

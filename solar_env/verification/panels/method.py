@@ -73,8 +73,8 @@ def order() -> Iterator[Check]:
         errors = _errors(_swing(bearing), halvings)
         found = np.log2(errors[0] / errors[-1]) / halvings
         expected = {"motion": (3.0, 0.3), "torques of the springs": (3.0, 0.3), load: of_load}
-        for (quantity, (order_, tolerance)), own in zip(expected.items(), found, strict=True):
-            yield Check(f"{name}: order of convergence in {quantity}", order_, own, tolerance, source)
+        for (quantity, (order_, tolerance)), reached in zip(expected.items(), found, strict=True):
+            yield Check(f"{name}: order of convergence in {quantity}", order_, reached, tolerance, source)
 
 
 def free_chain() -> Iterator[Check]:

@@ -35,7 +35,7 @@ _BLOCK_SIZE = 1_000_000_000
 EPISODES_PER_SEED = 10_000
 
 
-def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
+def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
     """Return `env_kwargs` with the joints' release rates drawn, unless they or the scenario name ranges to draw from.
 
     Raises:
@@ -62,7 +62,7 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
 
 
 def environment_settings(
-    env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None
+    env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None
 ) -> EnvironmentSettings:
     """Check the keywords of an environment and return its settings, such as model and task, without making it.
 
@@ -70,13 +70,13 @@ def environment_settings(
         ValueError: As `make_env`.
     """
 
-    def settings(**keywords: Any) -> EnvironmentSettings:
+    def settings(**keywords: object) -> EnvironmentSettings:
         return EnvironmentSettings.of({**gymnasium.spec(env_id).kwargs, **keywords})
 
     return _made(settings, env_id, env_kwargs)
 
 
-def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None) -> gymnasium.Env:
+def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None) -> gymnasium.Env:
     """Make an environment by `gymnasium.make`; a refusal says what to do.
 
     Raises:
@@ -86,7 +86,7 @@ def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None 
 
 
 def make_vector_env(
-    num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None
+    num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None
 ) -> gymnasium.vector.VectorEnv:
     """Make the native vector environment by `gymnasium.make_vec`; a refusal says what to do.
 
@@ -96,7 +96,7 @@ def make_vector_env(
     return _made(partial(gymnasium.make_vec, env_id, num_envs), env_id, env_kwargs)
 
 
-def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, Any] | None) -> Any:
+def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, object] | None) -> Any:
     if env_id not in gymnasium.registry:  # Gymnasium itself imports the module that an id names
         raise ValueError(f"no environment {env_id!r} is registered; available: {', '.join(_registered())}")
     try:

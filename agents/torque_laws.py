@@ -163,7 +163,7 @@ class LawParameters:
         return (np.concatenate([np.atleast_1d(value) for value in vars(self).values()]) - low) / (high - low)
 
     @classmethod
-    def from_json(cls, values: Mapping[str, Any]) -> Self:
+    def from_json(cls, values: Mapping[str, object]) -> Self:
         """Make parameters from values as JSON keeps them.
 
         Raises:

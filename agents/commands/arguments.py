@@ -16,7 +16,7 @@ class ModelOptions:
     env_kwargs: Assignments = dataclasses.field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 
-    def keywords(self, default: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def keywords(self, default: Mapping[str, object] | None = None) -> dict[str, Any]:
         """Return the environment keywords that the options ask for, on top of those of `default`.
 
         Raises:

@@ -2,6 +2,7 @@
 
 import json
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,7 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
         raise ValueError(f"{name}.json, {env_id!r}, {source!r}: {error}") from error
 
 
-def store_parameters(name: str, env_id: str, model: str, entry: dict[str, Any]) -> Path:
+def store_parameters(name: str, env_id: str, model: str, entry: Mapping[str, object]) -> Path:
     """Write what tuning has found to the law's file, in place of the entry for the same environment id and model."""
     entries, path = _entries(name), CONFIGS / f"{name}.json"
     entries.setdefault(env_id, {})[model] = entry

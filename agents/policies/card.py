@@ -10,7 +10,7 @@ from solar_env.environment.hardware import Hardware
 def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
     """Write the card of the policy `name`, from the configuration of its run and the environment that it learned on.
 
-    `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest between the ONNX form's actions and these.
+    `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest between the forms' actions.
     """
     network, names, task = policy.network, policy.description.observation_names, env.task
     sizes = " - ".join(map(str, [network.inputs, *(layer.biases.size for layer in network.layers)]))

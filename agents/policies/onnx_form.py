@@ -18,7 +18,7 @@ def onnx_model(network: PolicyNetwork) -> Any:
     nodes: list[Any] = []
     constants: list[Any] = []
 
-    def node(operator: str, values: str, output: str, *parameters: Any, **attributes: Any) -> str:
+    def node(operator: str, values: str, output: str, *parameters: object, **attributes: object) -> str:
         names = [f"{output}_{number}" for number in range(len(parameters))]
         arrays = [np.asarray(parameter, dtype=np.float32) for parameter in parameters]
         constants.extend(map(numpy_helper.from_array, arrays, names))

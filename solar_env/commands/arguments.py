@@ -121,7 +121,7 @@ def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
     Raises:
         ValueError: A pair has no key or no value, repeats a key, or has a value that is neither.
     """
-    result: dict[str, Any] = {}
+    result: dict[str, object] = {}
     for pair in pairs:
         match = re.fullmatch(r"\s*(\w+)\s*[=:]\s*(.+?)\s*", pair, re.DOTALL)
         if match is None:
@@ -141,14 +141,14 @@ def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
     return result
 
 
-_PAIRS: tyro.constructors.PrimitiveConstructorSpec[dict[str, Any]] = tyro.constructors.PrimitiveConstructorSpec(
+_PAIRS: tyro.constructors.PrimitiveConstructorSpec[dict[str, object]] = tyro.constructors.PrimitiveConstructorSpec(
     nargs="*",
     metavar="[KEY=VALUE ...]",
     instance_from_str=parse_assignments,
     is_instance=lambda value: isinstance(value, dict),
     str_from_instance=lambda value: [f"{key}={item}" for key, item in value.items()],
 )
-Assignments = Annotated[dict[str, Any], _PAIRS]
+Assignments = Annotated[dict[str, object], _PAIRS]
 """Type of a field that takes `key=value` pairs."""
 
 

@@ -280,7 +280,7 @@ def raise_first(failures: Mapping[int, SimulationError]) -> None:
         raise failures[lane]
 
 
-def checked_actions(given: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def checked_actions(given: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """Actions, (motors,) of one array or (lanes, motors) of many, as a new array of floating-point numbers.
 
     Raises:

@@ -16,7 +16,7 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
     return f"{kind} {name!r} is unknown; {hint}"
 
 
-def changed(kind: str, values: Values, changes: Mapping[str, Any]) -> Values:
+def changed(kind: str, values: Values, changes: Mapping[str, object]) -> Values:
     """A copy of a dataclass with some fields changed; the dataclass's checks refuse bad values.
 
     Raises:

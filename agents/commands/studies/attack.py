@@ -24,7 +24,7 @@ LONGEST_HALF_PERIOD = 4  # control periods
 OPTIONS = ("quick", "out")
 SEED = 0  # of the search and of its episodes
 EPISODES, QUICK_EPISODES = 1920, 28
-KEYWORDS: dict[str, Any] = {}  # of the environment
+KEYWORDS: dict[str, object] = {}  # of the environment
 FILE = "attack.json"
 
 
@@ -54,7 +54,7 @@ def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) 
     env.reset(seed=[*seeds, *[0] * idle])
     episodes, going = env.episodes, np.arange(len(profiles))
     totals = np.zeros(env.num_envs)
-    results: list[dict[str, Any]] = [{} for _ in profiles]
+    results: list[dict[str, object]] = [{} for _ in profiles]
     while going.size:
         latched = episodes.batch.states.clock["latched_joints"][:, 0] > 0
         episodes.step(going, actions(given, episodes.times, latched, env.task)[:, None])

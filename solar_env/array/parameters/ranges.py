@@ -64,7 +64,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     return checked
 
 
-def _spread(told: str, given: Any, joints: int | None) -> Bound:
+def _spread(told: str, given: object, joints: int | None) -> Bound:
     """A number, or one with an entry for each of `joints`: the last one given holds for all further ones."""
     value = plain(given)
     entries = value if isinstance(value, tuple) else (value,)

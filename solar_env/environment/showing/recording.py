@@ -25,7 +25,7 @@ class RecordTrajectory(gymnasium.Wrapper):
         self._step = output_step
         self._recorder: Recorder | None = None
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, object] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its record."""
         result = super().reset(seed=seed, options=options)
         env: Any = self.unwrapped

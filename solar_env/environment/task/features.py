@@ -81,7 +81,7 @@ class Feature(NamedTuple):
     formula: str
     by_joint: bool = False
 
-    def of(self, words: Mapping[str, Any]) -> Values:
+    def of(self, words: Mapping[str, object]) -> Values:
         """Its values, (lanes, joints), or (lanes, 1) where it is not by joint."""
         return eval(_compiled(self.formula), {"__builtins__": {}}, words)
 

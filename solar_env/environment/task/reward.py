@@ -4,7 +4,7 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -104,7 +104,7 @@ class Reward:
             terms can together.
     """
 
-    def __init__(self, changes: Mapping[str, Any] | None = None, version: Version = PRESENT) -> None:
+    def __init__(self, changes: Mapping[str, object] | None = None, version: Version = PRESENT) -> None:
         self.prices = {term.name: Price(term.scale, 0.0) for term in REWARD_TERMS}
         if not isinstance(changes or {}, Mapping):
             raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices")

@@ -111,7 +111,7 @@ class Version(NamedTuple):
 
     task: Task
     form: int
-    prices: Mapping[str, Any]
+    prices: Mapping[str, object]
 
 
 VERSIONS = {

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 from solar_env.array import MODELS, ArrayParameters, ModelLevel
 from solar_env.mechanics.integrators.settings import RungeKutta
@@ -24,7 +23,7 @@ EQ_40_CASE, EQ_40 = "-eq-40", "eq_40_"
 
 _SIZES = {1: (1e-4, 2e-4), 2: (2e-4, 1e-4)}  # m; the clearances of the paper's models 1 and 2 of their distribution
 # Deployments by name: the level of the model, and what differs from the `paper` preset.
-CASES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
     **{model: (model, {}) for model in MODELS},
     **{f"distribution-{n}": ("rigid-clearance", {"clearance": sizes}) for n, sizes in _SIZES.items()},
     # The same with a contact stiffness by joint, as Eq 40 has it.

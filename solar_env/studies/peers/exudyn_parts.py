@@ -50,7 +50,7 @@ class PeerArray(ABC):
         """Add everything but the latches; returns the (marker, marker) coordinates that these act on."""
 
     @abstractmethod
-    def angles(self, *values: Any) -> tuple[Any, Any]:
+    def angles(self, *values: object) -> tuple[Any, Any]:
         """Joint angles [rad] from the values of the watched coordinates."""
 
     def release(self) -> list[tuple[float, float]]:

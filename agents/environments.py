@@ -13,6 +13,7 @@ from solar_env.environment.settings import EnvironmentSettings
 
 NAMESPACE = "solar_env/"  # of the environment ids
 DEFAULT_ENV_ID = DEPLOY
+Keywords = dict[str, Any]
 
 # Suites are judged on this model, whose peak forces have converged, and searches train on it. It is also the
 # cheapest with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and
@@ -35,7 +36,7 @@ _BLOCK_SIZE = 1_000_000_000
 EPISODES_PER_SEED = 10_000
 
 
-def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
+def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID) -> Keywords:
     """Return `env_kwargs` with the joints' release rates drawn, unless they or the scenario name ranges to draw from.
 
     Raises:

@@ -1,7 +1,7 @@
 """Command that shows one episode of several controllers: `solar-env replay`."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,7 +16,7 @@ from agents.comparison.controllers import parse_controllers
 from agents.comparison.figures import deployments_figure
 from agents.comparison.report import TABLE
 from agents.environments import DEFAULT_ENV_ID, MODEL, episode_seeds, make_env, with_sampling
-from agents.rollout import Step, run_episode
+from agents.rollout import Figures, Step, run_episode
 from agents.torque_laws import Controller
 from solar_env.array import ArrayParameters
 from solar_env.commands.arguments import CommandRecord, QuietOption
@@ -70,7 +70,7 @@ def run_command(args: Args) -> int:
         deployments_figure(steps, args.out)
     else:
         episodes: dict[str, Trajectory] = {}
-        figures: dict[str, dict[str, Any]] = {}
+        figures: dict[str, Figures] = {}
         for name, controller, env in _each(args):
             recorded = RecordTrajectory(env)
             figures[name] = run_episode(recorded, controller, seed)
@@ -80,7 +80,7 @@ def run_command(args: Args) -> int:
     return 0
 
 
-def _each(args: Args, **keywords: Any) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
+def _each(args: Args, **keywords: object) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
     """Name every controller, loaded, with its environment, which has some keywords more; all are checked first.
 
     Raises:
@@ -94,7 +94,7 @@ def _each(args: Args, **keywords: Any) -> Iterator[tuple[str, Controller, gymnas
             yield controller.name, controller.load(env), env
 
 
-def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, Any]], command: str) -> Page:
+def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
     """The page of episodes by the names of their controllers, with the figures of `run_episode`."""
     softest = min(episodes, key=lambda name: np.nan_to_num(figures[name]["peak_postlock_force_N"], nan=np.inf))
     best = max(episodes, key=lambda name: figures[name]["return"])

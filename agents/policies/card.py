@@ -3,11 +3,12 @@
 import json
 from typing import Any
 
+from agents.environments import Keywords
 from agents.policies.shipped import ShippedPolicy
 from solar_env.environment.hardware import Hardware
 
 
-def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
+def card(name: str, config: Keywords, policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
     """Write the card of the policy `name`, from the configuration of its run and the environment that it learned on.
 
     `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest between the forms' actions.

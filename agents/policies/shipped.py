@@ -8,11 +8,11 @@ import json
 import re
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 import numpy as np
 
+from agents.environments import Keywords
 from agents.policies.network import Layer, PolicyNetwork
 from agents.torque_laws import DeterministicController, Signals
 from solar_env.support.files import PART, write_text, writing
@@ -55,7 +55,7 @@ class Description:
     mean_limit: float | None
     training_steps: int
     env_id: str
-    env_kwargs: dict[str, Any]
+    env_kwargs: Keywords
     observation_names: tuple[str, ...]
     torque_limit: float
     deadline: float

@@ -9,7 +9,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, TypeVar, get_type_hints
 
 import tyro
 from rich.console import Console
@@ -112,7 +112,7 @@ class FolderOptions:
         return found
 
 
-def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
+def parse_assignments(pairs: Sequence[str]) -> dict[str, object]:
     """Turn `key=value` or `key:value` strings into a dictionary.
 
     Values are Python literals (`ast.literal_eval`), or true, false and null as in files; another bare word such as
@@ -174,7 +174,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
     return read
 
 
-def _senseless(cls: type[Any], argv: Sequence[str]) -> str:
+def _senseless(cls: type, argv: Sequence[str]) -> str:
     """What tyro lets pass: an empty word, as of a variable of the shell that is not set, and pairs that it drops."""
     hints = get_type_hints(cls, include_extras=True)
     pairs = {f"--{name.replace('_', '-')}" for name, kind in hints.items() if kind == Assignments}

@@ -4,10 +4,10 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.environment.episodes import Episodes, checked_actions
+from solar_env.environment.episodes import Episodes, Info, checked_actions
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
 from solar_env.environment.showing.window import Window
 from solar_env.environment.task.observations import observation_table
@@ -102,7 +102,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
 
-    def __init__(self, **keywords: Any) -> None:
+    def __init__(self, **keywords: object) -> None:
         """See the class.
 
         Raises:
@@ -134,9 +134,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Copies of the present episode to try its futures with, while it stays as it is; see `Episodes.futures`."""
         return self._episodes.futures(0, lanes, threads)
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
         """Fold the array and draw its parameters.
 
         The option {"parameters": {name: value}} changes parameters for this episode.
@@ -154,7 +152,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
                 self._window.show(self._episodes.render(0))
             return self._episodes.observations[0].copy(), self._episodes.info(0)
 
-    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, Info]:
         """Hold an action (1,), clipped to [-1, 1], for one control period.
 
         Raises:

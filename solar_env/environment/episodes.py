@@ -20,6 +20,8 @@ from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 
+Info = dict[str, Any]  # of a step or a deployment, as the environments tell it
+
 
 class SavedEpisode(NamedTuple):
     """An episode between two of its steps, see `Episodes.save`: the simulation's state, mid-contact included, the terms
@@ -221,12 +223,12 @@ class Episodes:
         copies.rewards[:], copies.terminated[:] = self.rewards[lane], self.terminated[lane]
         return copies
 
-    def info(self, lane: int) -> dict[str, Any]:
+    def info(self, lane: int) -> Info:
         """Information of every step: time [s] and terms of the reward."""
         terms = dict(zip(self.settings.terms.names, self.terms[lane].tolist(), strict=True))
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
-    def figures(self, lane: int) -> dict[str, Any]:
+    def figures(self, lane: int) -> Info:
         """The physical figures of an episode so far, for `info["deployment"]`.
 
         Warns:

@@ -92,10 +92,10 @@ class Campaign:
 
     def __init__(
         self,
-        function: Callable[[Cell], Any],
+        function: Callable[[Cell], object],
         cells: Sequence[Cell],
         store: Path,
-        settings: Mapping[str, Any] | None = None,
+        settings: Mapping[str, object] | None = None,
         admits: Callable[[Any], bool] = lambda _: True,
     ) -> None:
         self._function, self._store = function, store

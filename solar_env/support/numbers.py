@@ -26,7 +26,7 @@ def is_whole_number(value: object, least: int) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and value >= least
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> object:
     """A value with Python's types in place of NumPy's, and tuples in place of lists."""
     if isinstance(value, (np.generic, np.ndarray)):
         value = value.tolist()

@@ -143,6 +143,6 @@ def parameter_text(parameters: ArrayParameters) -> str:
     return "\n".join([*lines, _TABLES])
 
 
-def _toml(value: Any) -> str:
+def _toml(value: object) -> str:
     """A value as TOML has it: JSON's, but for None."""
     return f'"{NONE}"' if value is None else json.dumps(value)

@@ -203,7 +203,7 @@ class ArrayParameters:
             raise ValueError(unknown_name("preset", name, PRESETS))
         return cls(**PRESETS[name])
 
-    def with_changes(self, changes: Mapping[str, Any]) -> Self:
+    def with_changes(self, changes: Mapping[str, object]) -> Self:
         """A copy with some parameters changed.
 
         Raises:
@@ -260,7 +260,7 @@ class ArrayParameters:
             width=self.bearing_width,
         )
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, object]:
         """All parameters as values that JSON keeps; `with_changes` takes them back."""
         return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 

@@ -24,7 +24,7 @@ Ranges = Mapping[str, tuple[Bound, Bound]]
 _BELOW_ANOTHER = ("clearance", "friction_speed_zero")  # parameters that must stay below another one
 
 
-def drawn(ranges: Ranges, generator: np.random.Generator) -> dict[str, Any]:
+def drawn(ranges: Ranges, generator: np.random.Generator) -> dict[str, float | tuple[float, ...]]:
     """Values drawn uniformly from checked ranges, by joint where the bounds are; changes for `with_changes`."""
     values = {name: generator.uniform(low, high) for name, (low, high) in ranges.items()}
     return {name: tuple(value.tolist()) if np.ndim(value) else float(value) for name, value in values.items()}
@@ -64,7 +64,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     return checked
 
 
-def _spread(told: str, given: object, joints: int | None) -> Bound:
+def _spread(told: str, given: Any, joints: int | None) -> Bound:
     """A number, or one with an entry for each of `joints`: the last one given holds for all further ones."""
     value = plain(given)
     entries = value if isinstance(value, tuple) else (value,)
@@ -73,7 +73,7 @@ def _spread(told: str, given: object, joints: int | None) -> Bound:
     if joints is None:
         if entries is value:
             raise ValueError(f"{told} must be a single number")
-        return float(value)
+        return float(entries[0])
     if not 1 <= len(entries) <= joints:
         raise ValueError(f"{told} must have 1 to {joints} entries, one a joint")
     return tuple(float(entries[min(j, len(entries) - 1)]) for j in range(joints))

@@ -23,7 +23,7 @@ class Film:
         self._times = [0.0]
         self._renderer: Renderer | None = None
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """Without the renderer, which a copy makes anew."""
         return {**vars(self), "_renderer": None}
 

@@ -4,7 +4,7 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ class TaskNumbers(NamedTuple):
     deadline: float
     settling_window: float
     sample_period: float
-    motors: NDArray[Any]
+    motors: NDArray[np.void]
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ import gzip
 import html
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,14 +66,14 @@ def _packed(text: str) -> str:
     return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
-def _numbers(values: ArrayLike) -> Any:
+def _numbers(values: ArrayLike) -> object:
     """Nested lists of numbers with a few digits; what is not finite becomes None."""
     array = np.asarray(values, dtype=float)
     flat = [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in array.ravel().tolist()]
     return np.array(flat, dtype=object).reshape(array.shape).tolist()
 
 
-def _motion(motion: Motion) -> dict[str, Any]:
+def _motion(motion: Motion) -> dict[str, object]:
     """A motion, with polylines as x, y, x, y, ..."""
     body, *panels = (
         _numbers(np.round(line.reshape(len(motion.time), -1), _PLACES)) for line in (motion.body, *motion.panels)
@@ -90,7 +89,7 @@ def _motion(motion: Motion) -> dict[str, Any]:
     }
 
 
-def _chart(chart: Chart) -> dict[str, Any]:
+def _chart(chart: Chart) -> dict[str, object]:
     lines = [vars(line) | {"x": _numbers(line.x), "y": _numbers(line.y)} for line in chart.lines]
     return vars(chart) | {"lines": lines}
 

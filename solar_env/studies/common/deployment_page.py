@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,7 +85,7 @@ def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -
     return Table("Parameters of the array", columns, rows, folded=True)
 
 
-def _entered(value: Any) -> str:
+def _entered(value: object) -> str:
     """A value of a parameter as one would write it."""
     if isinstance(value, (list, tuple)):
         return f"({', '.join(map(_entered, value))})"

@@ -54,7 +54,7 @@ class LoadsPlan:
         return Level(self.model), FINEST
 
 
-def run_member(cell: Cell) -> dict[str, Any]:
+def run_member(cell: Cell) -> dict[str, object]:
     """Quantities, spectra and warnings of a member at a level, as values that JSON keeps."""
     level = Level(cell["model"], cell["tighter"])
     nominal = ArrayParameters().with_changes(cell["parameters"])

@@ -79,7 +79,7 @@ def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
 
 
 # Environment, and what puts its lanes to the moments of a round.
-Contestant = tuple[Any, Sequence[Callable[[], Any]]]
+Contestant = tuple[Any, Sequence[Callable[[], object]]]
 
 
 def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
@@ -118,10 +118,10 @@ def measure_rate(model: str, lanes: int) -> dict[str, float]:
     return {**rates, "physics": taken["attempt"] / taken["step"]} if lanes == SCALED_LANES else rates
 
 
-def _timed(function: Callable[..., Any], taken: dict[str, float], name: str) -> Callable[..., Any]:
+def _timed(function: Callable[..., object], taken: dict[str, float], name: str) -> Callable[..., object]:
     """The function, which adds the time of each call to `taken` [s]."""
 
-    def call(*arguments: Any) -> Any:
+    def call(*arguments: object) -> object:
         start = time.perf_counter()
         result = function(*arguments)
         taken[name] += time.perf_counter() - start

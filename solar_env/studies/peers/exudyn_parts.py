@@ -10,7 +10,7 @@ import exudyn.itemInterface
 import numpy as np
 from exudyn.utilities import CreateSymbolicUserFunction
 
-from solar_env.mechanics.mechanism.description import Stop
+from solar_env.mechanics.mechanism import Stop
 from solar_env.studies.common.motion import Scene
 
 items = exudyn.itemInterface

@@ -17,8 +17,7 @@ from matplotlib.axes import Axes
 from solar_env.array import ModelLevel
 from solar_env.pictures.style import FAINT, METHOD_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.drawing import make_figure, save, short, use_decades
-from solar_env.studies.common.measures import angle_error, latch_error
-from solar_env.studies.common.motion import Motion
+from solar_env.studies.common.motion import Motion, angle_error, latch_error
 from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.joints.laws import PowerLaw, lankarani_damping
-from solar_env.mechanics.mechanism.description import Bearing, Body, Load
+from solar_env.mechanics.mechanism import Bearing, Body, Load
 from solar_env.mechanics.mechanism.textbook import loaded_journal
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory

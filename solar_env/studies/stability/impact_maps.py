@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta, steps_per_impact
 from solar_env.mechanics.joints.laws import CONTACT_LAWS, PowerLaw, contact_law, lankarani_damping
-from solar_env.mechanics.mechanism.description import Bearing
-from solar_env.mechanics.mechanism.textbook import bouncing_block
+from solar_env.mechanics.mechanism import Bearing, bouncing_block
 from solar_env.mechanics.running.diagnosis import LARGEST_RESTITUTION_ERROR
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory

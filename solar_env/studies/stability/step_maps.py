@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.description import GROUND, Joint, Mechanism, Stop
+from solar_env.mechanics.mechanism import GROUND, Joint, Mechanism, Stop
 from solar_env.mechanics.mechanism.textbook import Link, pendulum
 from solar_env.mechanics.running.diagnosis import LARGEST_FORCE_SHARE
 from solar_env.mechanics.running.simulation import Simulation, simulate

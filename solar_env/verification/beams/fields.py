@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from solar_env.mechanics.mechanism.description import Body, FlexibleBody, Mechanism
+from solar_env.mechanics.mechanism import Body, FlexibleBody, Mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
 
 Field = NDArray[np.complex128]

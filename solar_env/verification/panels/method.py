@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.integrators.settings import ModalRadau
 from solar_env.mechanics.joints.laws import PowerLaw
+from solar_env.mechanics.mechanism import GROUND, Bearing, Joint, Mechanism, Spring
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
-from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, Spring
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import ENERGY, MOMENTUM, Check
 from solar_env.verification.panels.mechanisms import modal, start

@@ -6,7 +6,7 @@ below. A new part is a frozen dataclass in SI units, checked when it is made, an
 
 # ruff: noqa: F401 - names of the room
 
-from solar_env.mechanics.mechanism.beams import PANEL, Beam
+from solar_env.mechanics.mechanism.beams import PANEL, Beam, cantilever
 from solar_env.mechanics.mechanism.description import (
     GROUND,
     Bearing,
@@ -22,4 +22,4 @@ from solar_env.mechanics.mechanism.description import (
     Spring,
     Stop,
 )
-from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link, bouncing_block
+from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link, four_bar, loaded_journal, pendulum

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from solar_env.array import MODELS, ArrayParameters, ModelLevel
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.mechanism.textbook import four_bar
+from solar_env.mechanics.mechanism import four_bar
 from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.levels import Level

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
-from solar_env.array.parameters.ranges import RELEASE_RATE
+from solar_env.array import RELEASE_RATE
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
 

@@ -14,8 +14,7 @@ from typing import Annotated, TypeVar, get_type_hints
 import tyro
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, read_parameters
-from solar_env.array.parameters.file import ParameterFile
+from solar_env.array import ArrayParameters, ParameterFile, read_parameters
 from solar_env.support.campaigns import Workers
 from solar_env.support.files import make_folder
 

@@ -9,8 +9,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters
-from solar_env.array.methods import announce_compilation, mark_compiled
+from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
 from solar_env.environment.task.periods import begin_periods, begin_samples, end_periods, observe_lanes

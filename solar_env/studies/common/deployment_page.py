@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, build, main_body_corners
+from solar_env.array import ArrayParameters, Ranges, build, main_body_corners
 from solar_env.array.parameters.file import units
 from solar_env.array.parameters.parameters import MAIN_BODY
-from solar_env.array.parameters.ranges import Ranges
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.running.trajectory import Trajectory

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, ModelLevel, build
-from solar_env.array.parameters.ranges import RELEASE_RATE
+from solar_env.array import RELEASE_RATE, ArrayParameters, ModelLevel, build
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism import Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning

@@ -13,10 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, build
+from solar_env.array import RELEASE_RATE, ArrayParameters, build, compilation_note
 from solar_env.array.ladder import QUESTIONS, Answer
-from solar_env.array.methods import compilation_note
-from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.environment.task.task import PRESENT
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m

@@ -7,7 +7,7 @@ from types import ModuleType
 
 from rich.console import Console
 
-from solar_env.array.methods import compilation_note
+from solar_env.array import compilation_note
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
 from solar_env.studies.common.tables import provenance, read_table, write_table

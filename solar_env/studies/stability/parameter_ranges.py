@@ -7,8 +7,7 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Any
 
-from solar_env.array import ArrayParameters, build
-from solar_env.array.methods import default_integrator
+from solar_env.array import ArrayParameters, build, default_integrator
 from solar_env.array.parameters.checks import UnitWarning
 from solar_env.mechanics.running.diagnosis import LARGEST_ENERGY_SHARE
 from solar_env.mechanics.running.simulation import Simulation

@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, build
-from solar_env.array.methods import default_integrator
+from solar_env.array import ArrayParameters, build, default_integrator
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints.joint import penetration

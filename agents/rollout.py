@@ -12,7 +12,7 @@ import numpy as np
 from agents.torque_laws import Controller
 from solar_env.environment.episodes import Info
 from solar_env.mechanics.arrays.columns import RATE
-from solar_env.support.numbers import is_number
+from solar_env.support.values import is_number
 
 Figures = dict[str, float | int | bool]
 UNITS = ("s", "N", "Ns", "J", "m")

@@ -17,8 +17,8 @@ from agents.learning.weight_search import CMAES, WeightSearch
 from agents.policies import shipped
 from agents.policies.shipped import ShippedPolicy
 from solar_env.support.files import make_folder, write_text
-from solar_env.support.numbers import check_types
 from solar_env.support.plain_arrays import read_arrays, read_json
+from solar_env.support.values import check_types
 
 LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions policies depend on, beside those of all
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {

@@ -16,8 +16,8 @@ from agents.environments import Keywords
 from agents.policies.network import Layer, PolicyNetwork
 from agents.torque_laws import DeterministicController, Signals
 from solar_env.support.files import PART, write_text, writing
-from solar_env.support.numbers import check_types
 from solar_env.support.plain_arrays import read_arrays, read_json
+from solar_env.support.values import check_types
 
 SHIPPED = Path(__file__).parent
 ARRAYS = "policy.npz"

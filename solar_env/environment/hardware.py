@@ -8,7 +8,7 @@ import sys
 from dataclasses import dataclass
 
 from solar_env.array.parameters.checks import Rule, check_rows, number
-from solar_env.support.numbers import is_whole_number
+from solar_env.support.values import is_whole_number
 
 _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "must be a finite number, not negative")
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")

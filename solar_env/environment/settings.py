@@ -19,7 +19,7 @@ from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS, Task
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.support.names import changed, unknown_name
+from solar_env.support.values import changed, unknown_name
 
 RENDER_MODES = ("human", "rgb_array")
 Changes = Mapping[str, Any]

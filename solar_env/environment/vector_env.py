@@ -16,7 +16,7 @@ from solar_env.environment.env import Observation
 from solar_env.environment.episodes import Episodes, Info, SavedEpisode, checked_actions
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.support.numbers import is_whole_number, plain
+from solar_env.support.values import is_whole_number, plain
 
 Actions = NDArray[np.float32]
 Flags = NDArray[np.bool_]

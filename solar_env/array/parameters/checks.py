@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from solar_env.mechanics.running.diagnosis import SimulationWarning, restitution_text, warn
-from solar_env.support.numbers import is_number
+from solar_env.support.values import is_number
 
 ArrayParameters = Any  # of `parameters`, which imports this module
 

@@ -18,9 +18,8 @@ from typing import Any, NamedTuple
 from solar_env.array.parameters.checks import row_of
 from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
-from solar_env.support.names import unknown_name
-from solar_env.support.numbers import is_number
 from solar_env.support.plain_arrays import read_at_most
+from solar_env.support.values import is_number, unknown_name
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
 # How a file says None, for which TOML has no word.

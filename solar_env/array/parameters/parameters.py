@@ -18,8 +18,7 @@ from solar_env.array.parameters import checks as c
 from solar_env.array.parameters.checks import number, per_joint
 from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw, Surfaces, contact_law
 from solar_env.mechanics.mechanism import Bearing, Stop
-from solar_env.support.names import changed, unknown_name
-from solar_env.support.numbers import plain
+from solar_env.support.values import changed, plain, unknown_name
 
 PerJoint = float | tuple[float, ...]
 MAIN_BODY = 0  # index among the bodies of the mechanism

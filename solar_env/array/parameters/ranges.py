@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from solar_env.array.parameters.parameters import ArrayParameters
-from solar_env.support.names import unknown_name
-from solar_env.support.numbers import is_number, plain
+from solar_env.support.values import is_number, plain, unknown_name
 
 # Joint rates [rad/s], either way of rest, at which deployments that are meant to be alike are released: impacts are
 # chaotic, so that a single deployment says little, and these are far apart from the latching on. In the mean, joint 1

@@ -15,7 +15,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
-from solar_env.support.names import unknown_name
+from solar_env.support.values import unknown_name
 
 # Codes of `reading`.
 THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)

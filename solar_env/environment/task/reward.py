@@ -15,7 +15,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
-from solar_env.support.names import changed, unknown_name
+from solar_env.support.values import changed, unknown_name
 
 # Codes of `reading`.
 PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_SLIDING_WORK = range(5)

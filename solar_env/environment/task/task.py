@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from solar_env.array.parameters.checks import Rule, check_rows, number
 from solar_env.environment.hardware import Hardware, response
-from solar_env.support.names import unknown_name
-from solar_env.support.numbers import is_whole_number
+from solar_env.support.values import is_whole_number, unknown_name
 
 ACTIONS = ("torque", "rate")
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")

@@ -22,7 +22,7 @@ from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
 from solar_env.__main__ import execute, main
 from solar_env.environment.registration import DEPLOY_RANDOMISED
-from solar_env.support.numbers import plain
+from solar_env.support.values import plain
 
 ALONE = ["--quiet", "--jobs", "1"]
 

@@ -113,7 +113,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         self.metadata = {**self.metadata, "render_fps": settings.frames_per_second}
         self.model = str(settings.level)
-        self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.drive
+        self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.devices
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
         self._episodes = Episodes(settings, [self.parameters])

@@ -61,7 +61,7 @@ class Episodes:
         self.rewards, self._end_times, self._sample_ends = np.zeros(lanes), np.zeros(lanes), np.zeros(lanes)
         self._loop_torques, self._rate_errors = np.zeros((lanes, motors)), np.zeros((lanes, motors))
         self.terminated = np.zeros(lanes, dtype=np.bool_)
-        self._numbers, self._samples = settings.task.numbers(settings.drive), settings.task.samples(settings.drive)
+        self._numbers, self._samples = settings.task.numbers(settings.devices), settings.task.samples(settings.devices)
         self._batch: Batch | None = None
         self._films = [Film(settings) for _ in range(lanes)]
         self._threads, self._busy = threads, False

@@ -79,7 +79,7 @@ class EnvironmentSettings:
         for name, table in (("scenario", SCENARIOS), ("version", VERSIONS)):
             if getattr(self, name) not in table:
                 raise ValueError(unknown_name(f"the {name}", getattr(self, name), table))
-        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms"):
+        for name in ("level", "integrator", "array", "ranges", "devices", "task", "entries", "terms"):
             getattr(self, name)
         build(self.array, self.level)  # refuses parameters that do not go with the panels
 
@@ -92,7 +92,7 @@ class EnvironmentSettings:
                 raise TypeError(unknown_name("the environment's keyword", name, known))
         given = cls(**keywords)
         model, array, ranges = str(given.level), given.array, given.ranges
-        return replace(given, model=model, parameters=array, randomize=ranges, hardware=given.drive)
+        return replace(given, model=model, parameters=array, randomize=ranges, hardware=given.devices)
 
     @cached_property
     def level(self) -> ModelLevel:
@@ -129,7 +129,7 @@ class EnvironmentSettings:
         return checked_ranges(self.array, {name: (low, high) for name, (low, high) in pairs.items()})
 
     @cached_property
-    def drive(self) -> Hardware:
+    def devices(self) -> Hardware:
         """Sensors and motor."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
@@ -146,7 +146,7 @@ class EnvironmentSettings:
                 f"driven_joint = {task.driven_joint!r} must be below {len(self.array.joints)}, the number of joints; "
                 "the root has index 0"
             )
-        task.samples(self.drive)  # refuses a loop whose samples do not fit into a control period
+        task.samples(self.devices)  # refuses a loop whose samples do not fit into a control period
         return task
 
     @cached_property
@@ -167,7 +167,7 @@ class EnvironmentSettings:
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
         lock_angles = [joint.lock_angle for joint in self.array.joints]
-        return Sensors(lanes, lock_angles, self.entries, self.drive, self.task.deadline)
+        return Sensors(lanes, lock_angles, self.entries, self.devices, self.task.deadline)
 
     def observation_space(self) -> gymnasium.Space[Any]:
         """Space of one observation."""

@@ -69,7 +69,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
         self.parameters = [settings.design(entry) for entry in by_lane]
         self.model = str(settings.level)
-        self.randomize, self.hardware = settings.ranges, settings.drive
+        self.randomize, self.hardware = settings.ranges, settings.devices
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         timing = {"render_fps": settings.frames_per_second, "autoreset_mode": self.autoreset_mode}

@@ -87,14 +87,14 @@ class Task:
     def numbers(self, hardware: Hardware) -> TaskNumbers:
         """The task, with the drives that it is done with, as the kernels take it."""
         period = self.control_period / self.samples(hardware)
-        drive = (
+        motor = (
             self.torque_limit,
             response(hardware.motor_lag, period),
             hardware.torque_rate_limit * period,
             hardware.rate_loop_gain if self.action == "rate" else 0.0,
             response(hardware.rate_loop_lag, period),
         )
-        motors = np.array([(joint, *drive) for joint in self.driven_joints], dtype=motor_type)
+        motors = np.array([(joint, *motor) for joint in self.driven_joints], dtype=motor_type)
         deadline, window = float(self.deadline), float(self.settling_window)
         return TaskNumbers(float(self.control_period), deadline, window, period, motors)
 

@@ -67,12 +67,12 @@ def step_error(model, state, work, settings, tables, level, h):
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
-            own, answers, held = work.panels[p], tables.answers[d, level], tables.responses[d, level].held
+            panel, answers, held = work.panels[p], tables.answers[d, level], tables.responses[d, level].held
             # At one end or the other, the even and the odd part add up.
-            across = rate_defect(model.panels, own, answers, held, d, h, BENDING_EVEN)
-            across += rate_defect(model.panels, own, answers, held, d, h, BENDING_ODD)
-            along = rate_defect(model.panels, own, answers, held, d, h, AXIAL_EVEN)
-            along += rate_defect(model.panels, own, answers, held, d, h, AXIAL_ODD)
+            across = rate_defect(model.panels, panel, answers, held, d, h, BENDING_EVEN)
+            across += rate_defect(model.panels, panel, answers, held, d, h, BENDING_ODD)
+            along = rate_defect(model.panels, panel, answers, held, d, h, AXIAL_EVEN)
+            along += rate_defect(model.panels, panel, answers, held, d, h, AXIAL_ODD)
             error = max(error, max(across, along) / limit)
     return error
 
@@ -136,9 +136,9 @@ def commit_step(model, state, work, tables, level, h):
     stage_frames(model, state, work, h)
     power = 0.0
     for b in range(model.bodies.size):
-        body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
+        body, frame, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            work.q[first + i], work.v[first + i] = own.place[SECOND, i], own.speed[SECOND, i]
+            work.q[first + i], work.v[first + i] = frame.place[SECOND, i], frame.speed[SECOND, i]
         if body.panel != RIGID_BODY:
             answers, panel, begin = tables.answers[body.design, level], work.panels[body.panel], first + 3
             end = begin + answers.size

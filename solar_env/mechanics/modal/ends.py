@@ -28,10 +28,10 @@ def free_ends(panels, panel, answers, d, q, v):
     for group in range(GROUPS):
         begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
         # Of slices: indices that cannot be negative are spared a test.
-        modes, own, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
+        modes, of_group, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
         w0 = w1 = w2 = w3 = s0 = s1 = s2 = s3 = defect = 0.0
         for k in range(values.size):
-            a, b, answer = values[k], rates[k], own[k].coefficient
+            a, b, answer = values[k], rates[k], of_group[k].coefficient
             y0 = answer[0] * a + answer[FROM_RATE] * b
             y1 = answer[1] * a + answer[FROM_RATE + 1] * b
             y2 = answer[2] * a + answer[FROM_RATE + 2] * b
@@ -48,7 +48,7 @@ def free_ends(panels, panel, answers, d, q, v):
             s1 += second * y1
             s2 += second * y2
             s3 += second * y3
-            defect += first * (own[k].defect[0] * a + own[k].defect[1] * b)
+            defect += first * (of_group[k].defect[0] * a + of_group[k].defect[1] * b)
         free = panel.free[group]
         free[0, 0], free[0, 1], free[0, 2], free[0, 3] = w0, w1, w2, w3
         free[1, 0], free[1, 1], free[1, 2], free[1, 3] = s0, s1, s2, s3
@@ -91,10 +91,10 @@ def foreshorten(forms, low, column, gradient, shortening):
         for r in range(LOW):
             g0 = g1 = g2 = g3 = g4 = 0.0
             for c in range(LOW):
-                own, other = low[group, c, column], low[1 - group, c, column]
-                g0 += forms[group, r, c, 0] * own
-                g1 += forms[group, r, c, 1] * own
-                g2 += forms[group, r, c, 2] * own
+                same, other = low[group, c, column], low[1 - group, c, column]
+                g0 += forms[group, r, c, 0] * same
+                g1 += forms[group, r, c, 1] * same
+                g2 += forms[group, r, c, 2] * same
                 g3 += forms[group, r, c, 3] * other
                 g4 += forms[group, r, c, 4] * other
             half, speed = 0.5 * low[group, r, column], low[group, r, column + 1]

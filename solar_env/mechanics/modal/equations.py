@@ -61,8 +61,8 @@ def torque_row(work, s, n, r, renewed):
 def contact_rows(model, state, work, s, n, r, renewed):
     """Rows of a contact's normal and tangential force, as of a torque."""
     j, first = work.unknowns[r].owner, work.unknowns[r].number
-    joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion[s]
-    force, _, by_depth, by_rate = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
+    joint, joint_state, motion = model.joints[j], state.joints[j], work.joints[j].motion[s]
+    force, _, by_depth, by_rate = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], joint_state.impact_speed)
     share, by_slip = friction_share(joint, motion[SLIDING_SPEED])
     speed, tried = motion[SLIDING_SPEED], work.joints[j].tried[s]
     tried[0 if speed < 0.0 else 1] = speed
@@ -88,8 +88,8 @@ def contact_rows(model, state, work, s, n, r, renewed):
 def reaction_row(work, s, n, r, h, renewed):
     """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity."""
     j, kind = work.unknowns[r].owner, work.unknowns[r].kind
-    own = work.mobility[r, r].response
-    scale = 1.0 / (abs(own[3]) + abs(own[7]))
+    response = work.mobility[r, r].response
+    scale = 1.0 / (abs(response[3]) + abs(response[7]))
     column = VELOCITY_X if kind == REACTION_X_ROW else VELOCITY_Y
     rate, before = work.joints[j].motion[s, column], -work.joints[j].motion[START, column]
     gap = work.joints[j].motion[START, ECCENTRICITY_X if kind == REACTION_X_ROW else ECCENTRICITY_Y]

@@ -50,14 +50,14 @@ _SMALL_TURN = 0.02
 def add_load(model, work, stage, number, fx, fy, torque):
     """Add a force [N] and a torque [N m] at an attachment to its body's loads at a stage."""
     attachment = model.attachments[number]
-    own, arm = work.bodies[attachment.body], work.attachments[number].arm
-    own.load[stage, 0] += fx
-    own.load[stage, 1] += fy
-    own.load[stage, 2] += torque + arm[stage, 0] * fy - arm[stage, 1] * fx
+    frame, arm = work.bodies[attachment.body], work.attachments[number].arm
+    frame.load[stage, 0] += fx
+    frame.load[stage, 1] += fy
+    frame.load[stage, 2] += torque + arm[stage, 0] * fy - arm[stage, 1] * fx
     p = model.bodies[attachment.body].panel
     if p != RIGID_BODY:
         load = work.panels[p].load[stage]
-        c, s = own.turn[stage, 0], own.turn[stage, 1]
+        c, s = frame.turn[stage, 0], frame.turn[stage, 1]
         along, across, odd = c * fx + s * fy, c * fy - s * fx, side(attachment.end)
         load[BENDING_EVEN, 0] += across
         load[BENDING_EVEN, 1] += odd * torque
@@ -124,13 +124,13 @@ def distribute_loads(model, state, work):
             for i in range(3):
                 work.bodies[b].load[s, i] = 0.0
     for p in range(work.panels.size):
-        own = work.panels[p]
+        panel = work.panels[p]
         for s in range(2):
             for group in range(GROUPS):
                 for i in range(VALUES):
                     # What foreshortening does to the rest of the end values is a load of the ends.
                     bending, rest = group < AXIAL_EVEN, model.panels.coupled[group] + i
-                    own.load[s, group, i] = own.coupling[s, group, rest] if bending else 0.0
+                    panel.load[s, group, i] = panel.coupling[s, group, rest] if bending else 0.0
     for j in range(model.joints.size):
         joint, first = model.joints[j], force_of(model, j)
         for s in range(2):
@@ -164,20 +164,20 @@ def turned(cosine, sine, angle):
 def stage_frames(model, state, work, h):
     """Centres of mass and angles of the bodies at both stages, with their rates."""
     for b in range(model.bodies.size):
-        body, own = model.bodies[b], work.bodies[b]
+        body, frame = model.bodies[b], work.bodies[b]
         for i in range(3):
             inverse = body.inverse_mass if i < 2 else body.inverse_inertia
-            first, second = own.load[0, i] * inverse, own.load[1, i] * inverse
+            first, second = frame.load[0, i] * inverse, frame.load[1, i] * inverse
             if i < 2 and inverse > 0.0:
                 first += model.gravity[i]
                 second += model.gravity[i]
             x, v = state.q[body.offset + i], state.v[body.offset + i]
             for s in range(2):
-                own.place[s, i] = x + h * (NODES[s] * v + h * (B[s][0] * first + B[s][1] * second))
-                own.speed[s, i] = v + h * (A[s][0] * first + A[s][1] * second)
+                frame.place[s, i] = x + h * (NODES[s] * v + h * (B[s][0] * first + B[s][1] * second))
+                frame.speed[s, i] = v + h * (A[s][0] * first + A[s][1] * second)
         for s in range(2):
-            angle = own.place[s, 2] - own.place[START, 2]
-            own.turn[s, 0], own.turn[s, 1] = turned(own.turn[START, 0], own.turn[START, 1], angle)
+            angle = frame.place[s, 2] - frame.place[START, 2]
+            frame.turn[s, 0], frame.turn[s, 1] = turned(frame.turn[START, 0], frame.turn[START, 1], angle)
 
 
 @kernel(inlined=True)
@@ -188,7 +188,7 @@ def move_attachments(model, work, slot):
     """
     column = 2 * (slot if slot < 2 else 0)
     for number in range(model.attachments.size):
-        attachment, own = model.attachments[number], work.attachments[number]
+        attachment, moved = model.attachments[number], work.attachments[number]
         body = work.bodies[attachment.body]
         panel = model.bodies[attachment.body].panel
         place, speed = body.place[slot], body.speed[slot]
@@ -206,12 +206,12 @@ def move_attachments(model, work, slot):
             column -= 1
         c, s = body.turn[slot, 0], body.turn[slot, 1]
         ax, ay = c * x - s * y, s * x + c * y
-        own.local[slot, 0], own.local[slot, 1] = x, y
-        own.arm[slot, 0], own.arm[slot, 1] = ax, ay
-        own.point[slot, 0], own.point[slot, 1] = place[0] + ax, place[1] + ay
-        own.point_rate[slot, 0] = speed[0] - speed[2] * ay + c * x_rate - s * y_rate
-        own.point_rate[slot, 1] = speed[1] + speed[2] * ax + s * x_rate + c * y_rate
-        own.direction[slot, 0], own.direction[slot, 1] = turn, spin
+        moved.local[slot, 0], moved.local[slot, 1] = x, y
+        moved.arm[slot, 0], moved.arm[slot, 1] = ax, ay
+        moved.point[slot, 0], moved.point[slot, 1] = place[0] + ax, place[1] + ay
+        moved.point_rate[slot, 0] = speed[0] - speed[2] * ay + c * x_rate - s * y_rate
+        moved.point_rate[slot, 1] = speed[1] + speed[2] * ax + s * x_rate + c * y_rate
+        moved.direction[slot, 0], moved.direction[slot, 1] = turn, spin
 
 
 @kernel(inlined=True)
@@ -266,10 +266,10 @@ def move_cables(model, work, slot):
 def place_bodies(model, q, v, work, slot):
     """Fill frames, attachments and joints at a slot, from coordinates and the ends' motion without foreshortening."""
     for b in range(model.bodies.size):
-        body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
+        body, frame, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            own.place[slot, i], own.speed[slot, i] = q[first + i], v[first + i]
-        own.turn[slot, 0], own.turn[slot, 1] = math.cos(q[first + 2]), math.sin(q[first + 2])
+            frame.place[slot, i], frame.speed[slot, i] = q[first + i], v[first + i]
+        frame.turn[slot, 0], frame.turn[slot, 1] = math.cos(q[first + 2]), math.sin(q[first + 2])
         if body.panel != RIGID_BODY:
             shorten_pose(model.panels, work.panels[body.panel], body.design, q[first + 3 :], v[first + 3 :])
     move_attachments(model, work, slot)

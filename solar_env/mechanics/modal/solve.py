@@ -80,12 +80,12 @@ class ModalSettings(NamedTuple):
 def start_stages(model, state, work, h):
     """First guess of the stages: directions of the start, loads along the last step's polynomial."""
     for b in range(model.bodies.size):
-        own = work.bodies[b]
+        frame = work.bodies[b]
         # The directions at the stage, but for the loads of the step.
-        c, s0 = own.turn[START, 0], own.turn[START, 1]
+        c, s0 = frame.turn[START, 0], frame.turn[START, 1]
         for s in range(2):
-            angle = NODES[s] * h * own.speed[START, 2]
-            own.turn[s, 0], own.turn[s, 1] = c - s0 * angle, s0 + c * angle
+            angle = NODES[s] * h * frame.speed[START, 2]
+            frame.turn[s, 0], frame.turn[s, 1] = c - s0 * angle, s0 + c * angle
     for number in range(model.attachments.size):
         arm = work.attachments[number].arm
         for s in range(2):
@@ -121,15 +121,15 @@ def move_stages(model, state, work, tables, level, h, coupled):
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
-            own, answers = work.panels[p], tables.answers[d, level]
-            forced_ends(own, tables.responses[d, level].response, GROUPS)
+            panel, answers = work.panels[p], tables.answers[d, level]
+            forced_ends(panel, tables.responses[d, level].response, GROUPS)
             if coupled:
-                couple(model.panels, own, answers, d)
+                couple(model.panels, panel, answers, d)
                 # The forces on the rest of the end values are among the loads.
-                forced_ends(own, tables.responses[d, level].response, AXIAL_EVEN)
-            add_modal_forces(model.panels, own, answers, d)
+                forced_ends(panel, tables.responses[d, level].response, AXIAL_EVEN)
+            add_modal_forces(model.panels, panel, answers, d)
             for s in range(2):
-                shorten_ends(own, s)
+                shorten_ends(panel, s)
     for s in range(2):
         move_attachments(model, work, s)
         move_joints(model, work, s)
@@ -160,10 +160,10 @@ def set_tolerances(state, work, settings, h, n):
         gain = DEVIATION * (abs(response[3]) + abs(response[7]))
         load.tolerance = limit / gain
         if kind == NORMAL_ROW:
-            own = state.joints[j]
-            least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
+            joint_state = state.joints[j]
+            least = _LEAST_DEPTH / _HERTZ * joint_state.impact_speed * joint_state.contact_duration
             depth = max(work.joints[j].motion[SECOND, DEPTH], work.joints[j].motion[START, DEPTH], least)
-            # A load that is off moves a stiff contact's depth by no more than its own share.
+            # A load that is off moves a stiff contact's depth by no more than its share.
             share = _LOAD_SHARE * settings.rtol * max(load.stage[1], state.loads[work.unknowns[r].number])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
@@ -222,10 +222,10 @@ def shift_stages(model, work, n):
         for s in range(2):
             value, rate = 0.0, 0.0
             for c in range(n):
-                own = work.mobility[r, c].response
+                response = work.mobility[r, c].response
                 for k in range(2):
-                    value += own[4 * k + 2 * s] * work.correction[k * n + c]
-                    rate += own[4 * k + 2 * s + 1] * work.correction[k * n + c]
+                    value += response[4 * k + 2 * s] * work.correction[k * n + c]
+                    rate += response[4 * k + 2 * s + 1] * work.correction[k * n + c]
             motion = work.joints[j].motion[s]
             if kind == CABLE_ROW:
                 work.cables[j].motion[s, STRETCH] -= value
@@ -264,8 +264,8 @@ def solve_step(model, state, work, settings, tables, level, h):
         if body.panel != RIGID_BODY:
             answers, first = tables.answers[body.design, level], body.offset + 3
             last = first + answers.size
-            own, d = work.panels[body.panel], body.design
-            free_ends(model.panels, own, answers, d, state.q[first:last], state.v[first:last])
+            panel, d = work.panels[body.panel], body.design
+            free_ends(model.panels, panel, answers, d, state.q[first:last], state.v[first:last])
     work.step[0].velocity_tolerance = velocity_tolerance(model, work, settings)
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)

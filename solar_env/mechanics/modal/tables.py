@@ -138,7 +138,7 @@ def exact_coefficients(frequency, damping_rate, h, coefficients):
     """Fill (COEFFICIENTS,) for a mode that the step resolves: by its Taylor series, whose terms fall as 1/n!."""
     square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
     for case in range(4):
-        # Start value, start rate, then the loads 1.5 - 1.5 t and -0.5 + 1.5 t, which are one at their own stage.
+        # Start value, start rate, then the loads 1.5 - 1.5 t and -0.5 + 1.5 t, which are one at their stages.
         c = 1.0 if case == 0 else 0.0
         following = h if case == 1 else 0.0
         load0, load1 = 0.0, 0.0
@@ -236,18 +236,18 @@ def add_mode(mode, answer, group, own):
 def fill_level(panels, tables, level, h):
     """Fill one level of the tables of every design for the step size `h` [s]."""
     for d in range(panels.damping.size):
-        own = tables.responses[d, level]
+        of_level = tables.responses[d, level]
         for group in range(GROUPS):
             for i in range(VALUES):
-                own.held[group, i] = 0.0
+                of_level.held[group, i] = 0.0
                 for j in range(VALUES):
                     for c in range(8):
-                        own.response[group, i, j, c] = 0.0
+                        of_level.response[group, i, j, c] = 0.0
             for k in range(panels.first[group], panels.first[group + 1]):
                 mode, answer = panels.modes[d, k], tables.answers[d, level, k]
                 rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
                 fill_answer(mode.frequency, rate, h, answer)
-                add_mode(mode, answer, group, own)
+                add_mode(mode, answer, group, of_level)
 
 
 @kernel(inlined=True)

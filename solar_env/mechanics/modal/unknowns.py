@@ -54,9 +54,9 @@ def effect_of_torque(model, tables, level, h, j):
 @kernel(inlined=True)
 def list_unknown(model, work, r, kind, j, number):
     """Enter unknown `r` of joint `j`, the load `number`; returns how many unknowns there are then."""
-    own, joint = work.unknowns[r], model.joints[j]
-    own.kind, own.owner, own.number, own.faces = kind, j, number, 2
-    own.attachment[0], own.attachment[1] = joint.outboard, joint.inboard
+    unknown, joint = work.unknowns[r], model.joints[j]
+    unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, j, number, 2
+    unknown.attachment[0], unknown.attachment[1] = joint.outboard, joint.inboard
     return r + 1
 
 
@@ -88,10 +88,10 @@ def list_rows(model, state, work, tables, level, h):
         give += max(cable.wheel_ratio, 1.0) * max(cable.torque_ratio, 1.0) * work.joints[cable.joint_a].angle_by_torque
         torque.unknown = cable.stiffness * give > _SOFT
         if torque.unknown:
-            own = work.unknowns[n]
-            own.kind, own.owner, own.number, own.faces = CABLE_ROW, c, model.joints.size + c, FACES
+            unknown = work.unknowns[n]
+            unknown.kind, unknown.owner, unknown.number, unknown.faces = CABLE_ROW, c, model.joints.size + c, FACES
             for face in range(FACES):
-                own.attachment[face] = cable_attachment(model, cable, face)
+                unknown.attachment[face] = cable_attachment(model, cable, face)
             n += 1
     return n
 
@@ -110,24 +110,24 @@ def enter_load(model, work, number, fx, fy, torque, load):
 def fill_unit_loads(model, work, n):
     """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
     for r in range(n):
-        own = work.unknowns[r]
-        if own.kind == CABLE_ROW:
-            cable, motion = model.cables[own.owner], work.cables[own.owner].motion[SECOND]
+        unknown = work.unknowns[r]
+        if unknown.kind == CABLE_ROW:
+            cable, motion = model.cables[unknown.owner], work.cables[unknown.owner].motion[SECOND]
             for face in range(FACES):
                 fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.torque_ratio)
-                enter_load(model, work, own.attachment[face], fx, fy, torque, own.load[face])
+                enter_load(model, work, unknown.attachment[face], fx, fy, torque, unknown.load[face])
                 fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.wheel_ratio)
-                enter_load(model, work, own.attachment[face], fx, fy, torque, own.reading[face])
+                enter_load(model, work, unknown.attachment[face], fx, fy, torque, unknown.reading[face])
         else:
-            first = 1.0 if own.kind in (NORMAL_ROW, REACTION_X_ROW) else 0.0
-            second = 1.0 if own.kind in (TANGENTIAL_ROW, REACTION_Y_ROW) else 0.0
-            torque = 1.0 if own.kind == TORQUE_ROW else 0.0
-            joint, motion = model.joints[own.owner], work.joints[own.owner].motion[SECOND]
+            first = 1.0 if unknown.kind in (NORMAL_ROW, REACTION_X_ROW) else 0.0
+            second = 1.0 if unknown.kind in (TANGENTIAL_ROW, REACTION_Y_ROW) else 0.0
+            torque = 1.0 if unknown.kind == TORQUE_ROW else 0.0
+            joint, motion = model.joints[unknown.owner], work.joints[unknown.owner].motion[SECOND]
             fx, fy, outboard, inboard = outboard_load(joint, motion, first, second, torque)
             for face in range(2):
                 sign, torque = (1.0, outboard) if face == 0 else (-1.0, inboard)
-                enter_load(model, work, own.attachment[face], sign * fx, sign * fy, torque, own.load[face])
-                copy_into(own.reading[face], own.load[face])
+                enter_load(model, work, unknown.attachment[face], sign * fx, sign * fy, torque, unknown.load[face])
+                copy_into(unknown.reading[face], unknown.load[face])
 
 
 @kernel(single_caller=True)
@@ -167,14 +167,14 @@ def share_motion(model, work, p, q):
     shared = work.mobility[p, q].response
     for c in range(8):
         shared[c] = 0.0
-    own, other = work.unknowns[p], work.unknowns[q]
-    for face in range(own.faces):
-        first = model.attachments[own.attachment[face]]
+    unknown, other = work.unknowns[p], work.unknowns[q]
+    for face in range(unknown.faces):
+        first = model.attachments[unknown.attachment[face]]
         body = model.bodies[first.body]
         for opposite in range(other.faces):
             if model.attachments[other.attachment[opposite]].body == first.body:
                 motion = other.motion[opposite, first.end]
-                add_shared(body, own.reading[face], other.load[opposite], motion, work.rigid, shared)
+                add_shared(body, unknown.reading[face], other.load[opposite], motion, work.rigid, shared)
 
 
 @kernel(single_caller=True)
@@ -185,13 +185,13 @@ def fill_mobility(model, work, tables, level, h, n):
         for k in range(2):
             work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
     for q in range(n):
-        own = work.unknowns[q]
-        for face in range(own.faces):
-            attachment = model.attachments[own.attachment[face]]
+        unknown = work.unknowns[q]
+        for face in range(unknown.faces):
+            attachment = model.attachments[unknown.attachment[face]]
             body = model.bodies[attachment.body]
             if body.panel != RIGID_BODY:
                 response = tables.responses[body.design, level].response
-                move_ends(response, own.load[face], side(attachment.end), own.motion[face])
+                move_ends(response, unknown.load[face], side(attachment.end), unknown.motion[face])
     for p in range(n):
         for q in range(p + 1):
             share_motion(model, work, p, q)

@@ -151,6 +151,8 @@ def _read_description(path: Path) -> Description:
     found = content.pop("format", None) if isinstance(content, dict) else None
     if found != FORMAT:
         raise ValueError(f"{path.name} has format {found!r}; this version reads format {FORMAT}")
+    if "postlock_window" in content:  # what files call it that were written before
+        content["settling_window"] = content.pop("postlock_window")
     expected = {field.name for field in fields(Description)}
     if set(content) != expected:
         raise ValueError(f"{path.name} has the keys {sorted(content)}; expected {sorted(expected)}")

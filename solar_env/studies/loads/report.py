@@ -142,8 +142,8 @@ def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str]) -> Page:
     charts = [*charts_of({name: nominal.trajectory}), *_hub_charts(nominal), *_spectra(loads)]
     motions = [motion_of(nominal.trajectory, name)]
     title = "How hard the hinges and the hub are hit"
-    array = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
-    return Page(title, answer(loads), motions, charts, [*tables(loads), array], notes)
+    parameters = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
+    return Page(title, answer(loads), motions, charts, [*tables(loads), parameters], notes)
 
 
 def _hub_charts(nominal: Deployment) -> Iterator[Chart]:

@@ -111,6 +111,12 @@ def test_descriptions_that_do_not_fit_are_named(own, changes, message):
         load_shipped(own)
 
 
+def test_descriptions_written_before_the_settling_window_had_its_name_are_read(own):
+    path = own / shipped.DESCRIPTION
+    path.write_text(path.read_text().replace("settling_window", "postlock_window"))
+    assert load_shipped(own).description.settling_window == 2.0
+
+
 def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
     with pytest.raises(

@@ -1,15 +1,14 @@
 """Command that shows one episode of several controllers: `solar-env replay`."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import gymnasium
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 from agents.commands.arguments import ModelOptions
 from agents.comparison.controllers import parse_controllers
@@ -22,16 +21,14 @@ from solar_env.array import ArrayParameters
 from solar_env.commands.arguments import CommandRecord, QuietOption
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.pictures.gif import write_gif
+from solar_env.pictures.films import FRAMES_PER_SECOND, captioned, encoder, write_film
 from solar_env.pictures.page.content import Page, Table
 from solar_env.pictures.page.document import write_page
 from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table
-from solar_env.support.files import check_target, write_bytes
+from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
-# Of a film: height of a controller's name [pixels], and frames a second.
-CAPTION, FRAMES_PER_SECOND = 28, 10.0
 # Width of a frame [pixels], and times real time: a GIF in full size and time has tens of megabytes.
 FILMS = {".mp4": (960, 1.0), ".gif": (640, 3.0)}
 
@@ -59,7 +56,7 @@ def run_command(args: Args) -> int:
     suffix, (seed,) = args.out.suffix.lower(), episode_seeds("evaluation", args.seed, 1)
     if suffix in FILMS:
         if suffix == ".mp4":
-            _encoder()
+            encoder()
         shown = _each(args, render_mode="rgb_array")
         films = [filmed(env, controller, name, seed, *FILMS[suffix]) for name, controller, env in shown]
         write_film(films, args.out)
@@ -126,47 +123,7 @@ def filmed(env: Any, controller: Controller, name: str, seed: int, width: int, s
     def record(step: Step) -> None:
         due = math.ceil(step.time_s / interval - 1e-6) - len(film)
         if due > 0:
-            film.extend([_captioned(env.render(), name, width)] * due)
+            film.extend([captioned(env.render(), name, width)] * due)
 
     run_episode(env, controller, seed, record)
     return film
-
-
-def _captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
-    """A frame in the film's width, under the name of its controller."""
-    image = Image.fromarray(frame)
-    height = round(width * image.height / image.width)
-    captioned = Image.new("RGB", (width, CAPTION + height), "white")
-    captioned.paste(image.resize((width, height), Image.Resampling.LANCZOS), (0, CAPTION))
-    ImageDraw.Draw(captioned).text((10, 5), name, "black", ImageFont.load_default(16))
-    return captioned
-
-
-def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
-    """Write films as one, one above the other; a film that ends first stays on its last frame."""
-    width, height = films[0][0].size
-    frames = []
-    for k in range(max(map(len, films))):
-        frame = Image.new("RGB", (width, height * len(films)))
-        for row, film in enumerate(films):
-            frame.paste(film[min(k, len(film) - 1)], (0, height * row))
-        frames.append(frame)
-    if path.suffix.lower() == ".gif":
-        write_gif(frames, path, FRAMES_PER_SECOND)
-        return
-    with TemporaryDirectory() as folder:
-        draft = Path(folder) / path.name
-        writer: Any = _encoder().write_frames(str(draft), frames[0].size, fps=FRAMES_PER_SECOND, macro_block_size=2)
-        next(writer)
-        for frame in frames:
-            writer.send(np.ascontiguousarray(frame))
-        writer.close()
-        write_bytes(path, draft.read_bytes())
-
-
-def _encoder() -> Any:
-    try:
-        import imageio_ffmpeg
-    except ImportError as error:
-        raise ValueError("MP4 needs imageio-ffmpeg: pip install 'solar-env[video]', or write a .gif") from error
-    return imageio_ffmpeg

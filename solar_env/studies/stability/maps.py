@@ -57,7 +57,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Finding:
-    """What was found at one place of a map: its class, what was measured (nan if the run raised), and what was said."""
+    """Finding at one place of a map: its class, what was measured (nan if the run raised), and what was said."""
 
     kind: Kind
     value: float

@@ -49,7 +49,7 @@ class RungeKutta:
     least_rtol = 1e-13
 
     def with_options(self, step: float | None, rtol: float | None) -> RungeKutta:
-        """These settings, with a bound on the step [s] or a tolerance of its own if they are given."""
+        """These settings, with a bound on the step [s] or a tolerance if they are given."""
         return replace(self, max_step=self.max_step if step is None else step, rtol=self.rtol if rtol is None else rtol)
 
     def __post_init__(self) -> None:
@@ -130,7 +130,7 @@ class GeneralizedAlpha:
         return steps_per_impact(self.rho_inf)
 
     def with_options(self, step: float | None, rtol: float | None) -> GeneralizedAlpha:
-        """These settings with a step [s] of its own if one is given.
+        """These settings with another step [s] if one is given.
 
         Raises:
             ValueError: if a tolerance is given.

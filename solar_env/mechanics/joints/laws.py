@@ -1,7 +1,8 @@
-"""Laws of contact and friction as data, and the table of the contact laws. Plain Python: no compiler is needed.
+"""Laws of contact and friction as data, and the table of the contact laws. Plain Python: no compiler is needed here;
+`contact.py` compiles the static methods of `PowerLaw` for the kernels.
 
 To add a contact law, write a function from `Surfaces` and a coefficient of restitution to a `PowerLaw`, and a row of
-`CONTACT_LAWS`. The compiled forces are those of `contact.py`.
+`CONTACT_LAWS`.
 """
 
 import math

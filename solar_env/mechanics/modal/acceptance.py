@@ -23,7 +23,7 @@ from solar_env.mechanics.numerics.linear import copy_into, copy_rows
 from solar_env.mechanics.numerics.vectors import load4, store4
 
 # A reaction at the end of one step tells less of the error of another that is shorter than this share of it than of its
-# own: of the fast vibrations that the longer step does not resolve.
+# panel: of the fast vibrations that the longer step does not resolve.
 _COMPARABLE = 0.01
 
 
@@ -82,13 +82,13 @@ def step_error(model, state, work, settings, tables, level, h):
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY and tables.responses[d, level].unresolved > 0:
-            own, defects, held = work.panels[p], tables.defects[d, level], tables.responses[d, level].held
+            panel, defects, held = work.panels[p], tables.defects[d, level], tables.responses[d, level].held
             total = 0.0
             for kind in range(DEFECTS):
                 # At one end or the other, the even and the odd part add up.
                 across = along = 0.0
                 for group in range(GROUPS):
-                    defect = vibration_defect(model.panels, own, defects, held, d, h, kind, group)
+                    defect = vibration_defect(model.panels, panel, defects, held, d, h, kind, group)
                     if group < AXIAL_EVEN:
                         across += defect
                     else:
@@ -173,9 +173,9 @@ def commit_step(model, state, work, tables, level, h):
     # The next step takes out what velocity it finds in ideal joints: it must be that of the coordinates.
     move_stages(model, state, work, tables, level, h, work.step[0].constrained != 0, False)
     for b in range(model.bodies.size):
-        body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
+        body, panel, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            work.q[first + i], work.v[first + i] = own.place[i, LAST], own.speed[i, LAST]
+            work.q[first + i], work.v[first + i] = panel.place[i, LAST], panel.speed[i, LAST]
         if body.panel != RIGID_BODY:
             panel, begin = work.panels[body.panel], first + 3
             end = begin + model.panels.modes.shape[1]

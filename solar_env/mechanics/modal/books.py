@@ -45,20 +45,22 @@ def add_integrals(model, state, work, h):
     """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages."""
     integrals = work.integrals
     for j in range(model.joints.size):
-        joint, own, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
+        joint, joint_state, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
         for s in range(STAGES):
             weight = h * WEIGHTS[s]
             motion, force = work.joints[j].motion, force_of(model, j)
             rate, speed = motion[RATE, s], motion[SLIDING_SPEED, s]
             first_load, second_load = work.loads[force].stage[s], work.loads[force + 1].stage[s]
-            torques = hinge_torques(joint, own, motion[ANGLE, s], rate)
+            torques = hinge_torques(joint, joint_state, motion[ANGLE, s], rate)
             add_torque_powers(torques, rate, weight, j, integrals)
             if joint.kind == m.IDEAL:
                 integrals[first + m.IMPULSE] += weight * math.sqrt(first_load * first_load + second_load * second_load)
-            elif own.in_contact:
+            elif joint_state.in_contact:
                 normal = max(first_load, 0.0)
-                _, elastic, _, _ = normal_force(joint, motion[DEPTH, s], motion[DEPTH_RATE, s], own.impact_speed)
-                integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * motion[DEPTH_RATE, s]
+                _, elastic, _, _ = normal_force(
+                    joint, motion[DEPTH, s], motion[DEPTH_RATE, s], joint_state.impact_speed
+                )
+                integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * depth_rate
                 integrals[first + m.FRICTION_DISSIPATION] -= weight * second_load * motion[SLIP, s]
                 integrals[first + m.IMPULSE] += weight * normal
                 integrals[first + m.SLIDING_WORK] += weight * normal * abs(speed)
@@ -76,8 +78,8 @@ def note_peaks(model, state, work, h, share):
     """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
-        own, force = state.joints[j], force_of(model, j)
-        if own.in_contact:
+        joint_state, force = state.joints[j], force_of(model, j)
+        if joint_state.in_contact:
             start, stage = state.loads[force], work.loads[force].stage
             peak, top = start, -1
             for s in range(STAGES):
@@ -90,18 +92,18 @@ def note_peaks(model, state, work, h, share):
                 fall, rise = (stage[top + 1] - peak) / right, (peak - before) / left
                 curvature, slope = (fall - rise) / (left + right), (rise * right + fall * left) / (left + right)
                 peak -= 0.25 * slope * slope / curvature
-            note_force(own, peak, postlock)
+            note_force(joint_state, peak, postlock)
 
 
 @kernel
 def panel_energies(model, body, q, v, work, energies):
     """Add the energies of a panel's amplitudes, kinetic and of strain, to which its scratch has been filled last."""
-    panels, d, first, own = model.panels, body.design, body.offset + 3, work.panels[body.panel]
+    panels, d, first, panel = model.panels, body.design, body.offset + 3, work.panels[body.panel]
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
             stretch, r = q[first + k], k - panels.first[group]
             if group >= AXIAL_EVEN and r < panels.coupled[group]:
-                stretch -= own.shortening[axial_form(group, r), 0]
+                stretch -= panel.shortening[axial_form(group, r), 0]
             energies[m.ELASTIC] += 0.5 * (panels.modes[d, k].frequency * stretch) ** 2
             energies[m.KINETIC] += 0.5 * v[first + k] ** 2
 
@@ -120,8 +122,8 @@ def stored_energies(model, state, q, v, work, energies):
         if body.panel != RIGID_BODY:
             panel_energies(model, body, q, v, work, energies)
     for j in range(model.joints.size):
-        joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion
-        add_torque_energies(joint, own, motion[ANGLE, 0], energies)
+        joint, joint_state, motion = model.joints[j], state.joints[j], work.joints[j].motion
+        add_torque_energies(joint, joint_state, motion[ANGLE, 0], energies)
         if joint.kind == m.CLEARANCE:
             energies[m.CONTACT] += contact_energy(joint, motion[DEPTH, 0])
     for c in range(model.cables.size):
@@ -142,7 +144,7 @@ def cubic(share, x0, r0, x1, r1):
 def fill_load_table(model, state, work, loads, table):
     """Fill the (joints, LOAD_COLUMNS) table from the motion looked at last and `loads`, ordered as those of a state."""
     for j in range(model.joints.size):
-        joint, own, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
+        joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]
         for column in range(columns.SHARED_COLUMNS):
             row[column] = motion[column, 0]
@@ -153,7 +155,7 @@ def fill_load_table(model, state, work, loads, table):
         if joint.kind == m.IDEAL:
             row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y] = 0.0, 0.0
             row[columns.NORMAL], row[columns.TANGENTIAL] = math.sqrt(fx * fx + fy * fy), 0.0
-        enter_torques(hinge_torques(joint, own, motion[ANGLE, 0], motion[RATE, 0]), j, table)
+        enter_torques(hinge_torques(joint, joint_state, motion[ANGLE, 0], motion[RATE, 0]), j, table)
     for c in range(model.cables.size):
         cable = model.cables[c]
         torque, _, _ = cable_torque(cable, work.cables[c].motion[STRETCH, 0])

@@ -133,9 +133,9 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
     u, odd_u = beyond(AXIAL_EVEN, 0)[..., 0], beyond(AXIAL_ODD, 0)[..., 0]
     for g in range(2):
         odd, even = panels.forms[d, g, :, :, ODD_ENDS], panels.forms[d, g, :, :, EVEN_ENDS]
-        for own, other, axial, form in ((low[g], low[g], odd_u, odd), (low[g], low[1 - g], u, even)):
-            block = form[: own.shape[-1], : other.shape[-1]]
-            axial += 0.5 * np.einsum("ij,...i,...j->...", block, own, other)
+        for same, other, axial, form in ((low[g], low[g], odd_u, odd), (low[g], low[1 - g], u, even)):
+            block = form[: same.shape[-1], : other.shape[-1]]
+            axial += 0.5 * np.einsum("ij,...i,...j->...", block, same, other)
     along = np.stack([u + odd_u, u - odd_u], axis=-1) @ np.stack([1.0 - s, s])
     (w, slope), (odd_w, odd_slope) = (np.moveaxis(beyond(g, k), -1, 0) for g, k in enumerate(panels.kept))
     ends, slopes = np.stack([w + odd_w, w - odd_w]), np.stack([odd_slope + slope, odd_slope - slope])

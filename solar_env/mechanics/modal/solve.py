@@ -213,10 +213,10 @@ def set_tolerances(state, work, settings, h, n):
             gain += DEVIATION * abs(response[COLUMNS * k + END_RATE])
         load.tolerance = limit / gain
         if kind == NORMAL_ROW:
-            own = state.joints[j]
-            least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
+            joint_state = state.joints[j]
+            least = _LEAST_DEPTH / _HERTZ * joint_state.impact_speed * joint_state.contact_duration
             depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], least)
-            # A load that is off moves a stiff contact's depth by no more than its own share.
+            # A load that is off moves a stiff contact's depth by no more than its share.
             share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.loads[work.unknowns[r].number])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)

@@ -321,18 +321,18 @@ def side(end):
 
 
 @kernel
-def add_mode(mode, answer, group, own):
+def add_mode(mode, answer, group, responses):
     """Add what a mode of a group does to the responses of a step size."""
     for i in range(values_of(group)):
         for j in range(values_of(group)):
-            product, row = mode.row[i] * mode.row[j], own.response[group, i, j]
+            product, row = mode.row[i] * mode.row[j], responses.response[group, i, j]
             for k in range(STAGES):
                 moved = load8(answer.coefficient, FROM_LOAD + COLUMNS * k)
                 store8(row, COLUMNS * k, load8(row, COLUMNS * k) + product * moved)
         for kind in range(DEFECTS):
             held = answer.defect[2 * kind] * mode.row[0] / (mode.frequency * mode.frequency)
-            own.held[kind, group, i] -= held * mode.row[i]
-    own.unresolved += answer.defect[0] != 0.0
+            responses.held[kind, group, i] -= held * mode.row[i]
+    responses.unresolved += answer.defect[0] != 0.0
 
 
 @kernel
@@ -354,15 +354,15 @@ def fill_level(panels, tables, level, h):
     """Fill one level of the tables of every design for the step size `h` [s]."""
     answer = tables.answers[0]
     for d in range(panels.damping.size):
-        own = tables.responses[d, level]
-        own.unresolved = 0
+        responses = tables.responses[d, level]
+        responses.unresolved = 0
         for group in range(GROUPS):
             for i in range(VALUES):
                 for kind in range(DEFECTS):
-                    own.held[kind, group, i] = 0.0
+                    responses.held[kind, group, i] = 0.0
                 for j in range(VALUES):
                     for c in range(BY_LOAD):
-                        own.response[group, i, j, c] = 0.0
+                        responses.response[group, i, j, c] = 0.0
             for k in range(panels.first[group], panels.first[group + 1]):
                 mode, r = panels.modes[d, k], k - panels.first[group]
                 rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
@@ -371,7 +371,7 @@ def fill_level(panels, tables, level, h):
                 if r < panels.coupled[group]:
                     for c in range(BY_LOAD):
                         tables.forced[d, level, group, r, c] = answer.coefficient[FROM_LOAD + c]
-                add_mode(mode, answer, group, own)
+                add_mode(mode, answer, group, responses)
 
 
 @kernel

@@ -82,9 +82,9 @@ def effect_of_torque(model, tables, level, h, j):
 @kernel
 def list_unknown(model, work, r, kind, j, number):
     """Enter unknown `r` of joint `j`, the load `number`; returns how many unknowns there are then."""
-    own, joint = work.unknowns[r], model.joints[j]
-    own.kind, own.owner, own.number, own.faces = kind, j, number, 2
-    own.attachment[0], own.attachment[1] = joint.outboard, joint.inboard
+    unknown, joint = work.unknowns[r], model.joints[j]
+    unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, j, number, 2
+    unknown.attachment[0], unknown.attachment[1] = joint.outboard, joint.inboard
     return r + 1
 
 
@@ -116,10 +116,10 @@ def list_rows(model, state, work, tables, level, h):
         give += max(cable.wheel_ratio, 1.0) * max(cable.torque_ratio, 1.0) * work.joints[cable.joint_a].angle_by_torque
         torque.unknown = cable.stiffness * give > _SOFT
         if torque.unknown:
-            own = work.unknowns[n]
-            own.kind, own.owner, own.number, own.faces = CABLE_ROW, c, model.joints.size + c, FACES
+            unknown = work.unknowns[n]
+            unknown.kind, unknown.owner, unknown.number, unknown.faces = CABLE_ROW, c, model.joints.size + c, FACES
             for face in range(FACES):
-                own.attachment[face] = cable_attachment(model, cable, face)
+                unknown.attachment[face] = cable_attachment(model, cable, face)
             n += 1
     mark_blocks(work, n, h)
     return n

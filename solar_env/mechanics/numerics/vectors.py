@@ -77,11 +77,11 @@ def _width(width: int) -> tuple[Callable[..., Any], Callable[..., Any], Callable
 
     @lower_builtin(load, types.Array, types.Integer)
     def lower_load(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.load(_place(context, builder, sig.args[0], *args, width), align=8)
+        return builder.load(_place(context, builder, sig.args[0], args[0], args[1], width), align=8)
 
     @lower_builtin(store, types.Array, types.Integer, Vector)
     def lower_store(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        builder.store(args[2], _place(context, builder, sig.args[0], *args[:2], width), align=8)
+        builder.store(args[2], _place(context, builder, sig.args[0], args[0], args[1], width), align=8)
         return context.get_dummy_value()
 
     @lower_builtin(splat, types.Float)

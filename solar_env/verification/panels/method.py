@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.integrators.settings import ModalRadau
 from solar_env.mechanics.joints.laws import PowerLaw
+from solar_env.mechanics.mechanism import GROUND, Bearing, Joint, Mechanism, Spring
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
-from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, Spring
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import ENERGY, MOMENTUM, Check
 from solar_env.verification.panels.mechanisms import modal, start
@@ -73,8 +73,8 @@ def order() -> Iterator[Check]:
         errors = _errors(_swing(bearing), halvings)
         found = np.log2(errors[0] / errors[-1]) / halvings
         expected = {"motion": (3.0, 0.3), "torques of the springs": (3.0, 0.3), load: of_load}
-        for (quantity, (order_, tolerance)), own in zip(expected.items(), found, strict=True):
-            yield Check(f"{name}: order of convergence in {quantity}", order_, own, tolerance, source)
+        for (quantity, (order_, tolerance)), reached in zip(expected.items(), found, strict=True):
+            yield Check(f"{name}: order of convergence in {quantity}", order_, reached, tolerance, source)
 
 
 def free_chain() -> Iterator[Check]:

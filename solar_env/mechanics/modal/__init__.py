@@ -1,8 +1,8 @@
 """Slender panels as modes in a floating frame, and a method that steps on the loads of the joints alone.
 
 A panel is a rigid body with elastic modes about it, whose answers to a step are in `tables`; `ends` sums them up. A
-mechanism of rigid bodies and such panels has other arrays (`arrays`, `build`). A step of the two-stage Radau IIA
-method solves for the loads of the joints at its two stages (`solve`): given the loads, every body's motion follows in
+mechanism of rigid bodies and such panels has other arrays (`arrays`, `build`). A step of the three-stage Radau
+IIA method solves for the loads of the joints at its stages (`solve`): given the loads, every body's motion follows in
 closed form (`motion`), so that the cost of the iteration does not depend on the number of modes. `unknowns` and
 `equations` make Newton's matrix, `acceptance` judges the step, and `method` has the kernels that the run loop calls;
 `formulation` tells the rest of the package what the arrays say.

@@ -57,9 +57,8 @@ def add_integrals(model, state, work, h):
                 integrals[first + m.IMPULSE] += weight * math.sqrt(first_load * first_load + second_load * second_load)
             elif joint_state.in_contact:
                 normal = max(first_load, 0.0)
-                _, elastic, _, _ = normal_force(
-                    joint, motion[DEPTH, s], motion[DEPTH_RATE, s], joint_state.impact_speed
-                )
+                depth_rate, impact_speed = motion[DEPTH_RATE, s], joint_state.impact_speed
+                _, elastic, _, _ = normal_force(joint, motion[DEPTH, s], depth_rate, impact_speed)
                 integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * depth_rate
                 integrals[first + m.FRICTION_DISSIPATION] -= weight * second_load * motion[SLIP, s]
                 integrals[first + m.IMPULSE] += weight * normal

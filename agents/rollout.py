@@ -10,9 +10,11 @@ import gymnasium
 import numpy as np
 
 from agents.torque_laws import Controller
+from solar_env.environment.episodes import Info
 from solar_env.mechanics.arrays.columns import RATE
-from solar_env.support.numbers import is_number
+from solar_env.support.values import is_number
 
+Figures = dict[str, float | int | bool]
 UNITS = ("s", "N", "Ns", "J", "m")
 """Ends of the names of figures: `contact_starts` has no unit."""
 
@@ -32,7 +34,7 @@ class Step:
 
 def run_episode(
     env: gymnasium.Env, controller: Controller, seed: int, record: Callable[[Step], None] | None = None
-) -> dict[str, float | int | bool]:
+) -> Figures:
     """Run one deterministic episode and return its figures (see `episode_figures`) with its seed.
 
     `record`, if given, is called after every step.
@@ -62,14 +64,14 @@ def are_figures(content: object) -> bool:
     )
 
 
-def _step(env: Any, observation: np.ndarray, action: np.ndarray, info: Mapping[str, Any]) -> Step:
+def _step(env: Any, observation: np.ndarray, action: np.ndarray, info: Info) -> Step:
     """Make the record of the control period that has just ended."""
     joints, rates = env.simulation.state.joints, env.simulation.joint_loads()[:, RATE].copy()
     torque, forces = float(joints["motor_torque"][env.task.driven_joint]), joints["recent_peak_force"].copy()
     return Step(info["time_s"], observation, action, rates, torque, forces, info["reward_terms"])
 
 
-def episode_figures(deployment: Mapping[str, Any], reward_terms: Mapping[str, float]) -> dict[str, float | int | bool]:
+def episode_figures(deployment: Info, reward_terms: Mapping[str, float]) -> Figures:
     """Flatten `info["deployment"]` and the summed reward terms of an episode into named scalars.
 
     Lists by joint become one entry per joint (`peak_postlock_force_1_N`) and one for the array: the largest

@@ -36,7 +36,7 @@ class Signals:
         torque_limit: Motor torque of a unit action [N m].
         deadline: Unit of the observed time [s].
         control_period: Time for which an action is held [s].
-        postlock_window: Unit of the observed time since the last latch [s].
+        settling_window: Unit of the observed time since the last latch [s].
         driven_joint: Index of the joint that the motor works on; 0 is the root hinge.
         action: What an action is: "torque" or "rate", see `solar_env.environment.task.task.Task`.
     """
@@ -45,7 +45,7 @@ class Signals:
     torque_limit: float = 0.5
     deadline: float = 20.0
     control_period: float = 0.1
-    postlock_window: float = 10.0
+    settling_window: float = 10.0
     driven_joint: int = 0
     action: str = "torque"
 
@@ -163,7 +163,7 @@ class LawParameters:
         return (np.concatenate([np.atleast_1d(value) for value in vars(self).values()]) - low) / (high - low)
 
     @classmethod
-    def from_json(cls, values: Mapping[str, Any]) -> Self:
+    def from_json(cls, values: Mapping[str, object]) -> Self:
         """Make parameters from values as JSON keeps them.
 
         Raises:

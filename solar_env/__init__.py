@@ -5,10 +5,10 @@ one deployment; `gymnasium.make("solar_env/Deploy-v1")` makes an environment, `g
 
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `read_parameters` reads
 one from a file, `build` makes its mechanism, `MODELS` are the models' names and `cheapest_level` gives the level of the
-model that a question needs. `simulate` gives a `Trajectory`;
-`Simulation` advances step by step, by the integrators `RungeKutta`, `Rosenbrock`, `ModalRadau` or
-`GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv` are the environments, `Hardware` is their drive. Runs that
-cannot go on raise `SimulationError`, doubtful ones warn of `SimulationWarning`.
+model that a question needs. `simulate` gives a `Trajectory`; `Simulation` advances step by step, by the integrators
+`RungeKutta`, `Rosenbrock`, `ModalRadau` or `GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv` are the
+environments, `Hardware` is their sensors and motors. Runs that cannot go on raise `SimulationError`, doubtful ones warn
+of `SimulationWarning`.
 
 .. include:: contributing.md
 """

@@ -137,8 +137,8 @@ def erratic(seed):
     return lambda observation, step: actions[step]
 
 
-def viscous(damping, postlock_damping):
-    law = ViscousDamper(Signals.of(gymnasium.make(DEPLOY)), DamperParameters(damping, postlock_damping))
+def viscous(damping, settling_damping):
+    law = ViscousDamper(Signals.of(gymnasium.make(DEPLOY)), DamperParameters(damping, settling_damping))
     return lambda observation, step: law.predict(observation)[0][0]
 
 

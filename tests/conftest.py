@@ -104,7 +104,7 @@ def configs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
     monkeypatch.setattr(baselines, "CONFIGS", tmp_path)
     dampings = {"rigid-clearance": 0.1, "flexible-clearance": 0.2}
-    tuned = {model: {"parameters": {"damping": d, "postlock_damping": 0.0}} for model, d in dampings.items()}
+    tuned = {model: {"parameters": {"damping": d, "settling_damping": 0.0}} for model, d in dampings.items()}
     (tmp_path / "damper.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))
     return tmp_path
 

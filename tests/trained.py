@@ -11,7 +11,7 @@ from agents.environments import DEFAULT_ENV_ID
 from agents.learning import learn, runs
 
 COMMAND = "python train.py --seed 7"
-QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0}
+QUICK = {"model": "rigid-ideal", "control_period": 0.5, "settling_window": 2.0}
 QUICK |= {"observation": "drive", "action": "torque"}
 ON_POLICY = {"n_steps": 50, "batch_size": 50}
 OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16}

@@ -2,8 +2,8 @@
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any
 
+from agents.environments import Keywords
 from solar_env.commands.arguments import Assignments
 
 
@@ -16,7 +16,7 @@ class ModelOptions:
     env_kwargs: Assignments = dataclasses.field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 
-    def keywords(self, default: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def keywords(self, default: Mapping[str, object] | None = None) -> Keywords:
         """Return the environment keywords that the options ask for, on top of those of `default`.
 
         Raises:

@@ -7,10 +7,10 @@ from typing import Annotated
 import tyro
 
 from agents.commands.arguments import ModelOptions
-from agents.comparison.evaluation import MODEL, STORE, SUITES, common_environment, evaluate, suite_controllers
+from agents.comparison.evaluation import STORE, SUITES, common_environment, evaluate, suite_controllers
 from agents.comparison.figures import comparison_figure
 from agents.comparison.report import write_comparison
-from agents.environments import with_sampling
+from agents.environments import MODEL, with_sampling
 from agents.laws.table import LAWS
 from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import make_folder

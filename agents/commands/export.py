@@ -45,8 +45,8 @@ def run_command(args: Args) -> int:
             write_bytes(path, onnx_form().onnx_model(policy.network).SerializeToString())
         else:
             description = policy.description
-            drive = environment_settings(description.env_id, description.env_kwargs).drive
-            write_text(path, c_header(policy.network, f"{path.stem}_action", interface_comment(description, drive)))
+            hardware = environment_settings(description.env_id, description.env_kwargs).devices
+            write_text(path, c_header(policy.network, f"{path.stem}_action", interface_comment(description, hardware)))
     else:
         export(args.policy, path)
     print(f"written to {path}")

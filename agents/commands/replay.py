@@ -1,38 +1,34 @@
 """Command that shows one episode of several controllers: `solar-env replay`."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import gymnasium
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 from agents.commands.arguments import ModelOptions
 from agents.comparison.controllers import parse_controllers
-from agents.comparison.evaluation import MODEL
 from agents.comparison.figures import deployments_figure
 from agents.comparison.report import TABLE
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
-from agents.rollout import Step, run_episode
+from agents.environments import DEFAULT_ENV_ID, MODEL, episode_seeds, make_env, with_sampling
+from agents.rollout import Figures, Step, run_episode
 from agents.torque_laws import Controller
 from solar_env.array import ArrayParameters
 from solar_env.commands.arguments import CommandRecord, QuietOption
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.pictures.gif import write_gif
+from solar_env.pictures.films import FRAMES_PER_SECOND, captioned, encoder, write_film
 from solar_env.pictures.page.content import Page, Table
 from solar_env.pictures.page.document import write_page
 from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table
-from solar_env.support.files import check_target, write_bytes
+from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
-# Of a film: height of a controller's name [pixels], and frames a second.
-CAPTION, FRAMES_PER_SECOND = 28, 10.0
 # Width of a frame [pixels], and times real time: a GIF in full size and time has tens of megabytes.
 FILMS = {".mp4": (960, 1.0), ".gif": (640, 3.0)}
 
@@ -60,7 +56,7 @@ def run_command(args: Args) -> int:
     suffix, (seed,) = args.out.suffix.lower(), episode_seeds("evaluation", args.seed, 1)
     if suffix in FILMS:
         if suffix == ".mp4":
-            _encoder()
+            encoder()
         shown = _each(args, render_mode="rgb_array")
         films = [filmed(env, controller, name, seed, *FILMS[suffix]) for name, controller, env in shown]
         write_film(films, args.out)
@@ -71,7 +67,7 @@ def run_command(args: Args) -> int:
         deployments_figure(steps, args.out)
     else:
         episodes: dict[str, Trajectory] = {}
-        figures: dict[str, dict[str, Any]] = {}
+        figures: dict[str, Figures] = {}
         for name, controller, env in _each(args):
             recorded = RecordTrajectory(env)
             figures[name] = run_episode(recorded, controller, seed)
@@ -81,7 +77,7 @@ def run_command(args: Args) -> int:
     return 0
 
 
-def _each(args: Args, **keywords: Any) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
+def _each(args: Args, **keywords: object) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
     """Name every controller, loaded, with its environment, which has some keywords more; all are checked first.
 
     Raises:
@@ -95,7 +91,7 @@ def _each(args: Args, **keywords: Any) -> Iterator[tuple[str, Controller, gymnas
             yield controller.name, controller.load(env), env
 
 
-def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, Any]], command: str) -> Page:
+def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
     """The page of episodes by the names of their controllers, with the figures of `run_episode`."""
     softest = min(episodes, key=lambda name: np.nan_to_num(figures[name]["peak_postlock_force_N"], nan=np.inf))
     best = max(episodes, key=lambda name: figures[name]["return"])
@@ -105,12 +101,12 @@ def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, An
         f"{figures[best]['return']:.3g}.",
         "One episode, the same for all: impacts are chaotic, so compare many with solar-env evaluate.",
     ]
-    shown = {name: row for name, row in TABLE.items() if all(name in own for own in figures.values())}
+    shown = {name: row for name, row in TABLE.items() if all(name in of for of in figures.values())}
     rows = [
-        [words, *(f"{factor * own[name]:.4g}" for own in figures.values())] for name, (words, factor) in shown.items()
+        [words, *(f"{factor * of[name]:.4g}" for of in figures.values())] for name, (words, factor) in shown.items()
     ]
     terms = [name for name in next(iter(figures.values())) if name.startswith("reward_")]
-    rows += [[name.replace("_", " "), *(f"{own[name]:.3g}" for own in figures.values())] for name in terms]
+    rows += [[name.replace("_", " "), *(f"{of[name]:.3g}" for of in figures.values())] for name in terms]
     table = Table("Figures of the episode", ["figure", *figures], rows)
     motions = [motion_of(trajectory, name) for name, trajectory in episodes.items()]
     notes = [f"Made by: {command}", ", ".join(f"{name} {value}" for name, value in versions().items())]
@@ -127,47 +123,7 @@ def filmed(env: Any, controller: Controller, name: str, seed: int, width: int, s
     def record(step: Step) -> None:
         due = math.ceil(step.time_s / interval - 1e-6) - len(film)
         if due > 0:
-            film.extend([_captioned(env.render(), name, width)] * due)
+            film.extend([captioned(env.render(), name, width)] * due)
 
     run_episode(env, controller, seed, record)
     return film
-
-
-def _captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
-    """A frame in the film's width, under the name of its controller."""
-    image = Image.fromarray(frame)
-    height = round(width * image.height / image.width)
-    captioned = Image.new("RGB", (width, CAPTION + height), "white")
-    captioned.paste(image.resize((width, height), Image.Resampling.LANCZOS), (0, CAPTION))
-    ImageDraw.Draw(captioned).text((10, 5), name, "black", ImageFont.load_default(16))
-    return captioned
-
-
-def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
-    """Write films as one, one above the other; a film that ends first stays on its last frame."""
-    width, height = films[0][0].size
-    frames = []
-    for k in range(max(map(len, films))):
-        frame = Image.new("RGB", (width, height * len(films)))
-        for row, film in enumerate(films):
-            frame.paste(film[min(k, len(film) - 1)], (0, height * row))
-        frames.append(frame)
-    if path.suffix.lower() == ".gif":
-        write_gif(frames, path, FRAMES_PER_SECOND)
-        return
-    with TemporaryDirectory() as folder:
-        draft = Path(folder) / path.name
-        writer: Any = _encoder().write_frames(str(draft), frames[0].size, fps=FRAMES_PER_SECOND, macro_block_size=2)
-        next(writer)
-        for frame in frames:
-            writer.send(np.ascontiguousarray(frame))
-        writer.close()
-        write_bytes(path, draft.read_bytes())
-
-
-def _encoder() -> Any:
-    try:
-        import imageio_ffmpeg
-    except ImportError as error:
-        raise ValueError("MP4 needs imageio-ffmpeg: pip install 'solar-env[video]', or write a .gif") from error
-    return imageio_ffmpeg

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from agents.commands.arguments import ModelOptions
-from agents.comparison.evaluation import MODEL, RIGID, evaluate
+from agents.comparison.evaluation import evaluate
 from agents.comparison.figures import learning_curve_figure
 from agents.comparison.report import write_comparison
-from agents.environments import DEFAULT_ENV_ID, INTERFACE, episode_seeds
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, MODEL, RIGID, episode_seeds
 from agents.learning import learn, runs
 from solar_env.commands.arguments import Assignments, CommandRecord, WorkerOptions
 from solar_env.support.interruption import keeping
@@ -113,6 +113,6 @@ def resumed(args: Args, folder: str) -> runs.Configuration:
     for name in FIXED:
         given = getattr(args, name)
         if given not in (None, {}):
-            raise ValueError(f"--{name.replace('_', '-')} {given}: --resume goes on with the run's own; leave it out")
+            raise ValueError(f"--{name.replace('_', '-')} {given}: --resume goes on with the run's; leave it out")
     config = runs.read_config(folder)
     return config if args.timesteps is None else replace(config, timesteps=args.timesteps)

@@ -10,8 +10,9 @@ import tyro
 
 from agents.commands.arguments import ModelOptions
 from agents.comparison.evaluation import mean_returns
+from agents.configs import CONFIGS
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
-from agents.laws.baselines import CONFIGS, load_parameters, store_parameters, tuning_of
+from agents.laws.baselines import load_parameters, store_parameters, tuning_of
 from agents.laws.table import TUNABLE
 from agents.learning import runs
 from solar_env.commands.arguments import CommandRecord, WorkerOptions

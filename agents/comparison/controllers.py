@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 
 from agents.comparison.receding_horizon import RecedingHorizon
-from agents.environments import INTERFACE
+from agents.environments import INTERFACE, Keywords
 from agents.laws.baselines import make_baseline
 from agents.laws.table import LAWS
 from agents.learning import runs
@@ -80,7 +79,7 @@ class NamedController:
         named = self.base in LAWS or self.base in shipped.available()
         return self.spec if named else self.spec.removesuffix(self.base) + str(self.folder.resolve())
 
-    def interface(self) -> dict[str, Any]:
+    def interface(self) -> Keywords:
         """Return the environment keywords of the training that say what is observed and what an action is."""
         training = self.training()
         trained = training.env_kwargs if training else {}

@@ -6,7 +6,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 import numpy as np
@@ -14,26 +13,20 @@ from rich.console import Console
 
 from agents.comparison.controllers import NamedController, parse_controller, parse_controllers
 from agents.comparison.report import Row
-from agents.environments import DEFAULT_ENV_ID, INTERFACE, episode_seeds, make_env, with_sampling
-from agents.laws.baselines import CONFIGS, is_tuned, make_baseline
+from agents.configs import CONFIGS
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, MODEL, Keywords, episode_seeds, make_env, with_sampling
+from agents.laws.baselines import is_tuned, make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
 from agents.policies import shipped
-from agents.rollout import are_figures, run_episode
+from agents.rollout import Figures, are_figures, run_episode
 from agents.torque_laws import Controller, LawParameters
 from solar_env.environment.registration import DEPLOY, DEPLOY_RANDOMISED
 from solar_env.support.campaigns import ONE, Campaign, Cell, Workers, each_done
 from solar_env.support.progress import counting_bar
 
-Figures = dict[str, float | int | bool]
 STORE = "episodes.jsonl"
 """Name of a file that keeps the figures of finished episodes."""
-# Suites are judged on this model, whose peak forces have converged, and searches train on it. It is also the
-# cheapest with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and
-# 380, 270 and 172 with 2, 4 and 6 beam elements.
-MODEL: dict[str, Any] = {"model": "flexible-clearance"}
-# What learns from single steps needs more episodes than there is time for with flexible panels.
-RIGID: dict[str, Any] = {"model": "rigid-clearance"}
 # Name -> environment id of the scenario.
 SUITES = {"paper": DEPLOY, "robust": DEPLOY_RANDOMISED}
 
@@ -51,7 +44,7 @@ def evaluate(
     episodes: int,
     seed: int,
     env_id: str = DEFAULT_ENV_ID,
-    env_kwargs: Mapping[str, Any] | None = None,
+    env_kwargs: Mapping[str, object] | None = None,
     progress: bool = True,
     workers: Workers = ONE,
     store: Path | None = None,
@@ -92,7 +85,7 @@ def evaluate(
     return [{**label, **figure} for label, figure in zip(labels, figures, strict=True)]
 
 
-def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[str, Any], seed: int) -> Cell:
+def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[str, object], seed: int) -> Cell:
     """Make the cell of one episode of a controller; JSON keeps the environment keywords."""
     files = controller.files()
     return {
@@ -162,7 +155,7 @@ def mean_returns(
     controller: str,
     candidates: Sequence[LawParameters],
     env_id: str,
-    env_kwargs: Mapping[str, Any],
+    env_kwargs: Mapping[str, object],
     seeds: Sequence[int],
     workers: Workers,
 ) -> list[float]:
@@ -190,7 +183,7 @@ def _digest(paths: Sequence[Path]) -> str:
 
 def common_environment(
     controllers: Sequence[str], env_id: str | None = None, given: Collection[str] = ()
-) -> tuple[str, dict[str, Any]]:
+) -> tuple[str, Keywords]:
     """Return the environment id and the keywords on which all trained ones among `controllers` agree.
 
     `env_id`, if not None, takes the place of the id; without either it is the nominal one. The ranges drawn in training
@@ -205,7 +198,7 @@ def common_environment(
         names = " and ".join(sorted(ids))
         raise ValueError(f"the controllers were trained on different environments, {names}; say with --env-id which")
     used = env_id or (ids.pop() if ids else DEFAULT_ENV_ID)
-    agreed: dict[str, Any] | None = None
+    agreed: Keywords | None = None
     for controller, of in found.items():
         others = {"randomize"} if given or of.env_id != used else set()
         kwargs = {name: v for name, v in of.env_kwargs.items() if name not in {*INTERFACE, *given, *others}}

@@ -3,14 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from agents.comparison.report import FEWEST, HIGHER_IS_BETTER, TABLE
+from agents.comparison.report import FEWEST, HIGHER_IS_BETTER, TABLE, Summary
 from agents.learning import runs
 from agents.rollout import Step
 from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, look_of
@@ -42,7 +41,7 @@ def learning_curve_figure(folder: Path, reference_returns: Mapping[str, float]) 
 
 
 @rc_context(STYLE)
-def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
+def comparison_figure(summary: Summary, path: Path) -> None:
     """Draw a comparison: interquartile mean, interval and worst episode of every controller.
 
     Fewer than `FEWEST` episodes have no interval. A figure that is zero for all controllers, as wear where joints are
@@ -127,7 +126,7 @@ def deployments_figure(episodes: Mapping[str, Sequence[Step]], path: Path) -> No
         costs = -np.cumsum([sum(step.reward_terms.values()) for step in steps])
         charged[name] = costs[-1]
         rates = np.array([step.rates for step in steps])
-        series: list[tuple[str, dict[str, Any]]] = [
+        series: list[tuple[str, Mapping[str, Sequence[float] | np.ndarray]]] = [
             ("steps-pre", {"": [step.motor_torque for step in steps]}),
             ("default", {f", joint {k}": of_joint for k, of_joint in enumerate(rates.T, start=1)}),
             ("steps-pre", {"": [step.peak_forces.max() for step in steps]}),

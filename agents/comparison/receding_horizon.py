@@ -118,7 +118,7 @@ class RecedingHorizon(DeterministicController):
         After the end of an episode that is shorter than others there are zeros.
         """
         task, count = self._env.task, len(residuals)
-        times = np.arange(knot_times[0], task.deadline + task.postlock_window, task.control_period)
+        times = np.arange(knot_times[0], task.deadline + task.settling_window, task.control_period)
         offsets = np.array([np.interp(times, knot_times, row) for row in residuals])
         actions, rewards = np.zeros(offsets.shape, dtype=np.float32), np.zeros(offsets.shape)
         lanes, k = np.arange(count), 0

@@ -34,7 +34,8 @@ TABLES = "comparison.md"  # of an evaluation
 HIGHER_IS_BETTER = frozenset({"return"})
 
 Row = dict[str, Any]
-Summary = dict[str, dict[str, Any]]
+Entry = dict[str, Any]  # of a controller: estimates, its number of runs, the share that latched
+Summary = dict[str, Entry]
 
 
 def summarize(rows: Sequence[Row]) -> Summary:
@@ -50,7 +51,7 @@ def summarize(rows: Sequence[Row]) -> Summary:
     summary: Summary = {}
     for name in dict.fromkeys(row["controller"] for row in rows):
         mine = [row for run in by_run[name].values() for row in run]
-        entry: dict[str, Any] = {"runs": len(by_run[name]), "latched": sum(r["latched"] for r in mine) / len(mine)}
+        entry: Entry = {"runs": len(by_run[name]), "latched": sum(r["latched"] for r in mine) / len(mine)}
         for figure in (figure for figure in TABLE if figure in mine[0]):
             values = _values(by_run[name], figure)
             entry[figure] = estimate(values)
@@ -122,7 +123,7 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
     return f"{text} [{form.format(value.lower * factor)}, {form.format(value.upper * factor)}]"
 
 
-def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, Any]) -> tuple[Summary, str]:
+def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, object]) -> tuple[Summary, str]:
     """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
     text = io.StringIO(newline="")
@@ -140,7 +141,7 @@ def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, A
     return summary, tables
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Convert estimates to dictionaries, and NaN, which JSON lacks, to None."""
     if isinstance(value, Estimate):
         return {key: _plain(v) for key, v in asdict(value).items()}

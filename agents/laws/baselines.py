@@ -2,20 +2,21 @@
 
 import json
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
+from agents.configs import CONFIGS
 from agents.laws.table import LAWS, TUNABLE
 from agents.torque_laws import Controller, LawParameters, Signals
 from solar_env.array import ModelLevel
 from solar_env.support.files import write_text
 from solar_env.support.plain_arrays import read_json
 
-CONFIGS = Path(__file__).parents[1] / "configs"
 FALLBACK_MODEL = "rigid-clearance"
-"""Model whose parameters a model without its own gets."""
+"""Model whose parameters a model gets for which none were tuned."""
 
 
 class UntunedWarning(UserWarning):
@@ -44,7 +45,7 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
         raise ValueError(f"{name}.json, {env_id!r}, {source!r}: {error}") from error
 
 
-def store_parameters(name: str, env_id: str, model: str, entry: dict[str, Any]) -> Path:
+def store_parameters(name: str, env_id: str, model: str, entry: Mapping[str, object]) -> Path:
     """Write what tuning has found to the law's file, in place of the entry for the same environment id and model."""
     entries, path = _entries(name), CONFIGS / f"{name}.json"
     entries.setdefault(env_id, {})[model] = entry
@@ -53,7 +54,7 @@ def store_parameters(name: str, env_id: str, model: str, entry: dict[str, Any]) 
 
 
 def is_tuned(name: str, env_id: str, model: str) -> bool:
-    """Return whether the law `name` has parameters of its own for a model of `env_id`."""
+    """Return whether the law `name` has parameters tuned for a model of `env_id`."""
     return model in _entries(name).get(env_id, {})
 
 
@@ -83,7 +84,7 @@ def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
 def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | None = None) -> Controller:
     """Make the controller `name` for `env`; those of `TUNABLE` take `parameters`.
 
-    By default these are the ones tuned for the environment's own model or, with a warning, those for the rigid
+    By default these are the ones tuned for the environment's model or, with a warning, those for the rigid
     array with clearance where that model has none; see `load_parameters`.
 
     Raises:

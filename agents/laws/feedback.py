@@ -20,11 +20,11 @@ class DamperParameters(LawParameters):
 
     Attributes:
         damping: Torque per rate of the driven joint until the last joint has latched [N m s/rad].
-        postlock_damping: Torque per rate of the driven joint from then on [N m s/rad].
+        settling_damping: Torque per rate of the driven joint from then on [N m s/rad].
     """
 
     damping: float = bounded(1.0, 0.0, 6.0)
-    postlock_damping: float = bounded(1.0, 0.0, 10.0)
+    settling_damping: float = bounded(1.0, 0.0, 10.0)
 
 
 class ViscousDamper(TunableLaw[DamperParameters]):
@@ -35,7 +35,7 @@ class ViscousDamper(TunableLaw[DamperParameters]):
 
     def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
-        return -np.where(all_latched, p.postlock_damping, p.damping) * entries["rate_driven"]
+        return -np.where(all_latched, p.settling_damping, p.damping) * entries["rate_driven"]
 
 
 @dataclass(frozen=True)

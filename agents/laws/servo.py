@@ -24,8 +24,8 @@ class ServoParameters(LawParameters):
         joint_2_weight: Share of joint 2 in the opening that follows the profile; joint 1 has the rest.
         difference_damping: Torque on joint 1 against the opening-rate difference of the joints, which the
             cable loop makes oscillate [N m s].
-        postlock_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
-        postlock_stiffness: Torque from then on per angle of the driven joint off its lock angle [N m/rad]: a latched
+        settling_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
+        settling_stiffness: Torque from then on per angle of the driven joint off its lock angle [N m/rad]: a latched
             joint still has play, which the array would swing across.
         smoothing: Share of the motor torque that is kept from one control period to the next: a low-pass filter. The
             rates shake with the panels and the journals, and a motor that has held the springs back until the last
@@ -38,8 +38,8 @@ class ServoParameters(LawParameters):
     gain: float = bounded(20.0, 1.0, 80.0)
     joint_2_weight: float = bounded(0.5, 0.0, 1.0)
     difference_damping: float = bounded(0.0, 0.0, 40.0)
-    postlock_damping: float = bounded(0.0, 0.0, 10.0)
-    postlock_stiffness: float = bounded(0.0, 0.0, 20.0)
+    settling_damping: float = bounded(0.0, 0.0, 10.0)
+    settling_stiffness: float = bounded(0.0, 0.0, 20.0)
     smoothing: float = bounded(0.0, 0.0, 0.95)
 
 
@@ -73,7 +73,7 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
         time_left = self._signals.deadline * entries["time_to_deadline"]
         deploying = p.gain * (self.reference_rate(opening, time_left) - rate) - p.difference_damping * difference
         off_lock = lock_angle(self._signals.driven_joint) * (entries["theta_driven"] - 1.0)
-        holding = -p.postlock_damping * entries["rate_driven"] - p.postlock_stiffness * off_lock
+        holding = -p.settling_damping * entries["rate_driven"] - p.settling_stiffness * off_lock
         now = self._signals.torque_limit * entries["motor_torque"]
         return p.smoothing * now + (1.0 - p.smoothing) * np.where(all_latched, holding, deploying)
 

@@ -20,7 +20,7 @@ class ShapedProfileParameters(LawParameters):
         gain: Torque per opening-rate error [N m s].
         stiffness: Torque per opening error [N m].
         joint_2_weight: Share of joint 2 in the opening that follows the profile; joint 1 has the rest.
-        postlock_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
+        settling_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
     """
 
     duration: float = bounded(15.0, 6.0, 19.5)
@@ -29,7 +29,7 @@ class ShapedProfileParameters(LawParameters):
     gain: float = bounded(20.0, 1.0, 80.0)
     stiffness: float = bounded(2.0, 0.0, 20.0)
     joint_2_weight: float = bounded(0.5, 0.0, 1.0)
-    postlock_damping: float = bounded(1.0, 0.0, 10.0)
+    settling_damping: float = bounded(1.0, 0.0, 10.0)
 
 
 class InputShapedProfile(TunableLaw[ShapedProfileParameters]):
@@ -61,4 +61,4 @@ class InputShapedProfile(TunableLaw[ShapedProfileParameters]):
         opening, rate, _ = weighted_opening(entries, p.joint_2_weight)
         wanted, wanted_rate = self.reference((1.0 - entries["time_to_deadline"]) * self._signals.deadline)
         deploying = p.gain * (wanted_rate - rate) + p.stiffness * (wanted - opening)
-        return np.where(all_latched, -p.postlock_damping * entries["rate_driven"], deploying)
+        return np.where(all_latched, -p.settling_damping * entries["rate_driven"], deploying)

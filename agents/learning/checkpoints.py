@@ -100,7 +100,7 @@ def restored(checkpoint: Checkpoint, config: Configuration, venv: VecEnv, folder
     return model
 
 
-def restore_random(checkpoint: Checkpoint, model: Any) -> None:
+def restore_random(checkpoint: Checkpoint, model: BaseAlgorithm) -> None:
     """Set the random number generators, and the exploration noise, as they were when the checkpoint was written."""
     states = checkpoint["random"]
     model.action_space._np_random = states["action_space"]
@@ -110,11 +110,11 @@ def restore_random(checkpoint: Checkpoint, model: Any) -> None:
     torch.set_rng_state(states["torch"])
 
 
-def _some(thing: Any, names: tuple[str, ...]) -> dict[str, Any]:
+def _some(thing: object, names: tuple[str, ...]) -> dict[str, object]:
     return {name: vars(thing)[name] for name in names if name in vars(thing)}
 
 
-def _statistics(layer: VecEnvWrapper) -> dict[str, Any]:
+def _statistics(layer: VecEnvWrapper) -> dict[str, object]:
     return _some(layer.ret_rms, ("mean", "var", "count")) if isinstance(layer, VecNormalize) else {}
 
 
@@ -126,7 +126,7 @@ def _layers(model: Any) -> list[VecEnvWrapper]:
     return found
 
 
-def _distribution(model: Any) -> Any:
+def _distribution(model: BaseAlgorithm) -> object:
     """Return the object that keeps the noise of generalised state-dependent exploration between steps."""
     actor = getattr(model, "actor", None) or model.policy
     return getattr(actor, "action_dist", actor)
@@ -212,6 +212,6 @@ class Checkpoints(BaseCallback):
             self._begun = None
 
     def _write(self) -> None:
-        with deaf():  # torch takes an interruption for a fault of its own
+        with deaf():  # torch takes an interruption for its fault
             write(self._folder, taken(self.model, self._validation, self._folder))
         self._latest = self.num_timesteps

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import torch
 from rich.console import Console
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList, EvalCallback
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
@@ -52,7 +53,7 @@ def make_validation_env(config: Configuration, threads: int | None = None) -> Ve
 class Call(BaseCallback):
     """Calls a function with the model at every step, or on the events of another callback."""
 
-    def __init__(self, function: Callable[[Any], object]) -> None:
+    def __init__(self, function: Callable[[BaseAlgorithm], object]) -> None:
         super().__init__()
         self._function = function
 

@@ -6,20 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from agents.environments import INTERFACE, NAMESPACE, episode_seeds, with_sampling
-from agents.laws.baselines import CONFIGS
+from agents.configs import CONFIGS
+from agents.environments import INTERFACE, NAMESPACE, Keywords, episode_seeds, with_sampling
 from agents.learning.weight_search import CMAES, WeightSearch
 from agents.policies import shipped
 from agents.policies.shipped import ShippedPolicy
 from solar_env.support.files import make_folder, write_text
-from solar_env.support.numbers import check_types
 from solar_env.support.plain_arrays import read_arrays, read_json
+from solar_env.support.values import check_types
 
 LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions policies depend on, beside those of all
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
@@ -64,13 +63,13 @@ class Configuration:
 
     algo: str
     env_id: str
-    env_kwargs: dict[str, Any]
+    env_kwargs: Keywords
     seed: int
     n_envs: int
     timesteps: int
-    hyperparameters: dict[str, Any]
+    hyperparameters: Keywords
     command: str = ""
-    versions: dict[str, Any] = field(default_factory=dict)
+    versions: dict[str, str] = field(default_factory=dict)
     resumed_from: str | None = None
     timesteps_before: int = 0
 
@@ -93,11 +92,11 @@ def check_algorithm(name: str) -> None:
 def complete(
     algo: str,
     env_id: str,
-    env_kwargs: Mapping[str, Any],
+    env_kwargs: Mapping[str, object],
     seed: int,
     n_envs: int | None = None,
     timesteps: int | None = None,
-    hyperparameters: Mapping[str, Any] | None = None,
+    hyperparameters: Mapping[str, object] | None = None,
 ) -> Configuration:
     """Complete a request with the values in `agents/configs/<algo>.json` for its environment, in place of each None.
 
@@ -106,7 +105,7 @@ def complete(
     Args:
         algo, env_id, env_kwargs, seed, n_envs, timesteps: See `Configuration`.
         hyperparameters: Values in place of single ones of the file, and of single "policy_kwargs" of its. The algorithm
-            refuses its own when the model is made.
+            refuses wrong ones when the model is made.
 
     Raises:
         ValueError: Algorithm, environment or one of its keywords is unknown, or a number is out of range.
@@ -117,7 +116,7 @@ def complete(
         raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
     found, asked = entries[env_id], dict(hyperparameters or {})
     interface = {name: found[name] for name in INTERFACE if name in found}
-    usual: dict[str, Any] = dict(found["hyperparameters"])
+    usual: Keywords = dict(found["hyperparameters"])
     keywords = with_sampling({**interface, **env_kwargs}, env_id)
     if isinstance(of_policy := asked.get("policy_kwargs"), dict):
         asked["policy_kwargs"] = {**usual.get("policy_kwargs", {}), **of_policy}
@@ -130,7 +129,7 @@ def complete(
     return config
 
 
-def _signals(keywords: Mapping[str, Any]) -> tuple[Any, Any]:
+def _signals(keywords: Keywords) -> tuple[object, object]:
     """Return the first group of entries that is observed, and what an action is."""
     observation = keywords.get("observation", "")
     return observation if isinstance(observation, str) else observation[0], keywords.get("action")
@@ -150,7 +149,7 @@ def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) ->
     return make_folder(folder)
 
 
-def write_json(path: Path, content: Any) -> None:
+def write_json(path: Path, content: object) -> None:
     """Write `content` as indented JSON."""
     write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
@@ -215,6 +214,6 @@ def best_policy(folder: str | Path) -> ShippedPolicy:
         raise ValueError(f"{error}; resume the run, or train it anew") from error
 
 
-def jsonable(mapping: Mapping[str, Any]) -> dict[str, Any]:
+def jsonable(mapping: Mapping[str, object]) -> Keywords:
     """Return `mapping` as it reads after a round trip through JSON (tuples become lists)."""
     return json.loads(json.dumps(mapping))

@@ -19,7 +19,7 @@ _MOST_BYTES = 2**34
 Arrays = dict[str, np.ndarray]
 
 
-def packed(value: Any) -> bytes:
+def packed(value: object) -> bytes:
     """Return the content of a file that holds a nested value.
 
     It may be made of dictionaries, lists, tuples, arrays, tensors, numbers, texts, bytes and NumPy's generators.
@@ -46,7 +46,7 @@ def unpacked(path: str | Path) -> Any:
         raise ValueError(f"it holds no nested value ({error!r})") from error
 
 
-def rebuilt(like: Any, content: Any) -> Any:
+def rebuilt(like: object, content: Any) -> Any:
     """Make named tuples and dataclasses, as those in `like`, of the dictionaries that `unpacked` returns for them."""
     if isinstance(like, tuple) and hasattr(like, "_fields"):
         return type(like)(**{name: rebuilt(getattr(like, name), content[name]) for name in like._fields})
@@ -55,7 +55,7 @@ def rebuilt(like: Any, content: Any) -> Any:
     return content
 
 
-def _tree(value: Any, arrays: Arrays) -> Any:
+def _tree(value: object, arrays: Arrays) -> object:
     """Return a value as JSON keeps it, with arrays by their names; what is no scalar is {kind: content}."""
     if isinstance(value, (np.ndarray, np.generic, torch.Tensor, bytes)):
         array = value.detach().cpu().numpy() if isinstance(value, torch.Tensor) else value
@@ -80,7 +80,7 @@ def _tree(value: Any, arrays: Arrays) -> Any:
     raise TypeError(f"a {type(value).__name__} cannot be kept as arrays and JSON")
 
 
-def _value(tree: Any, arrays: Arrays) -> Any:
+def _value(tree: object, arrays: Arrays) -> Any:
     """Return the value of a tree that `_tree` made."""
     if not isinstance(tree, dict):
         return tree

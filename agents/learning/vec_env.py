@@ -12,6 +12,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from agents.environments import DEFAULT_ENV_ID, make_vector_env
 from agents.learning.storage import rebuilt
+from solar_env.environment.episodes import Info
 
 
 class NativeVecEnv(VecEnv):
@@ -28,7 +29,7 @@ class NativeVecEnv(VecEnv):
     """
 
     def __init__(
-        self, num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None
+        self, num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None
     ) -> None:
         keywords = {**(env_kwargs or {}), "autoreset_mode": AutoresetMode.SAME_STEP}
         self.env: Any = make_vector_env(num_envs, env_id, keywords)
@@ -53,7 +54,7 @@ class NativeVecEnv(VecEnv):
         """Advance all lanes; returns (observations, rewards as float32, dones, infos)."""
         observations, rewards, terminations, truncations, infos = self._with_lists.step(self._actions)
         dones = terminations | truncations
-        told: list[dict[str, Any]] = list(infos)
+        told: list[Info] = list(infos)
         for lane in np.flatnonzero(dones):
             last = told[lane]
             self.reset_infos[lane] = {key: last[key] for key in last if key not in ("final_obs", "final_info")}
@@ -90,14 +91,14 @@ class NativeVecEnv(VecEnv):
         """Return an attribute of the lanes, such as `simulation`, or of the vector environment."""
         return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
 
-    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+    def set_attr(self, attr_name: str, value: object, indices: VecEnvIndices = None) -> None:
         """Refuse to set an attribute, by an AttributeError that says what to do instead."""
         raise AttributeError(
             f"{attr_name!r} cannot be set in a lane; pass keywords when the environment is made, or reset options"
         )
 
     def env_method(
-        self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **kwargs: Any
+        self, method_name: str, *method_args: object, indices: VecEnvIndices = None, **kwargs: object
     ) -> list[Any]:
         """Call a method of the lanes, such as `render`, or of the vector environment."""
         lanes = [self.env.unwrapped.lane(lane) for lane in self._get_indices(indices)]

@@ -15,6 +15,9 @@ import torch
 from sb3_contrib import ARS
 from sb3_contrib.common.vec_env.async_eval import AsyncEval
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecEnv
+
+Progress = dict[str, Any]
 
 
 def all_weights(first: float | Sequence[float], entries: int) -> np.ndarray:
@@ -37,7 +40,7 @@ class WeightSearch(ARS):
         ValueError: on construction, if there are more weights than entries.
     """
 
-    def __init__(self, policy: Any, env: Any, first_weights: float | Sequence[float] = 0.0, **keywords: Any) -> None:
+    def __init__(self, policy: str, env: VecEnv, first_weights: float | Sequence[float] = 0.0, **keywords: Any) -> None:
         self.first_weights = first_weights
         super().__init__(policy, env, **keywords)
 
@@ -109,8 +112,8 @@ class CMAES(WeightSearch):
 
     def __init__(
         self,
-        policy: Any,
-        env: Any,
+        policy: str,
+        env: VecEnv,
         population: int = 16,
         deviation: float = 0.1,
         generations_between: int = 22,
@@ -124,7 +127,7 @@ class CMAES(WeightSearch):
     def _setup_model(self) -> None:
         super()._setup_model()
         # Left to itself pycma draws from NumPy's global generator.
-        options: dict[str, Any] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
+        options: dict[str, object] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
         options["randn"] = np.random.RandomState(self.seed).randn
         self.search: Any = cma.CMAEvolutionStrategy(self.weights.numpy().astype(float), self.deviation, options)
         self.told: list[np.ndarray] = []
@@ -133,7 +136,7 @@ class CMAES(WeightSearch):
         self.rounds = 0
 
     @property
-    def progress(self) -> dict[str, Any]:
+    def progress(self) -> Progress:
         """All that the search goes on from but the policy's weights.
 
         A fresh search that is told the same returns once more comes to the same distribution, and so to the same bits.
@@ -142,7 +145,7 @@ class CMAES(WeightSearch):
         return {"told": told, "since": len(self.seen), "best_return": self.best_return, "rounds": self.rounds}
 
     @progress.setter
-    def progress(self, progress: dict[str, Any]) -> None:
+    def progress(self, progress: Progress) -> None:
         for returns in progress["told"]:
             self._tell(self.search.ask(), returns)
         self.seen = self.seen[len(self.seen) - progress["since"] :]
@@ -179,7 +182,7 @@ class CMAES(WeightSearch):
             self.best_return = mean_return
             self._use(weights)
 
-    def _evaluated(self, candidates: Any, callback: BaseCallback) -> np.ndarray:
+    def _evaluated(self, candidates: Sequence[np.ndarray] | np.ndarray, callback: BaseCallback) -> np.ndarray:
         """Returns (candidates,) of an episode of each of the weights (candidates, entries)."""
         weights = torch.from_numpy(np.asarray(candidates, dtype=np.float32))
         return self.evaluate_candidates(weights, callback, None).numpy()

@@ -16,7 +16,7 @@ _ACTIVATIONS = {"relu": "fmaxf(sum, 0.0f)", "tanh": "tanhf(sum)"}
 
 
 def c_header(network: PolicyNetwork, name: str, comment: Sequence[str]) -> str:
-    """C99 that computes a network's action, without memory of its own beyond the stack.
+    """C99 that computes a network's action, without memory beyond the stack.
 
     Args:
         network: of one output.
@@ -89,12 +89,12 @@ def _in_a_comment(line: str) -> str:
     return f"   {plain}".replace("\\", "/").replace("??/", "?? /").replace("*/", "* /").rstrip()
 
 
-def interface_comment(description: Description, drive: Hardware) -> list[str]:
+def interface_comment(description: Description, hardware: Hardware) -> list[str]:
     """Say in lines what a policy observes, what its action is, and how often it is asked.
 
     Args:
         description: of the policy.
-        drive: on which it was trained.
+        hardware: on which it was trained.
     """
     limit = description.torque_limit
     lines = [
@@ -124,8 +124,8 @@ def interface_comment(description: Description, drive: Hardware) -> list[str]:
     if some_formula:
         lines += [f"  {word}: {meaning}" for word, meaning in FORMULA_WORDS.items()]
     lines += [
-        f"the unit torque_limit is {limit:g} N m, deadline {description.deadline:g} s, postlock_window "
-        f"{description.postlock_window:g} s, and the lock angle pi/2 of joint 1, pi of the others.",
+        f"the unit torque_limit is {limit:g} N m, deadline {description.deadline:g} s, settling_window "
+        f"{description.settling_window:g} s, and the lock angle pi/2 of joint 1, pi of the others.",
         "",
         "Action, clipped to [-1, 1] by the function; positive opens:",
     ]
@@ -133,9 +133,9 @@ def interface_comment(description: Description, drive: Hardware) -> list[str]:
     if description.signals.action == "rate":
         lines += [
             f"the setpoint {SLOWEST:g} sinh({STEEPNESS:g} action) rad/s of the rate of hinge {hinge}.",
-            f"The drive's loop asks for {drive.rate_loop_gain:g} N m s/rad times (setpoint - rate), at most {limit:g}",
-            f"N m either way, {drive.rate_loop_frequency:g} times a second, and passes it to the motor through a",
-            f"low-pass filter with the time constant {drive.rate_loop_lag:g} s.",
+            f"The drive's loop asks for {hardware.rate_loop_gain:g} N m s/rad times (setpoint - rate), at most",
+            f"{limit:g} N m either way, {hardware.rate_loop_frequency:g} times a second, and passes it to the motor",
+            f"through a low-pass filter with the time constant {hardware.rate_loop_lag:g} s.",
         ]
     else:
         lines.append(f"the torque of the motor on hinge {hinge}, in units of {limit:g} N m.")

@@ -3,14 +3,15 @@
 import json
 from typing import Any
 
+from agents.environments import Keywords
 from agents.policies.shipped import ShippedPolicy
 from solar_env.environment.hardware import Hardware
 
 
-def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
+def card(name: str, config: Keywords, policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
     """Write the card of the policy `name`, from the configuration of its run and the environment that it learned on.
 
-    `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest of the ONNX form's actions from its own.
+    `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest between the forms' actions.
     """
     network, names, task = policy.network, policy.description.observation_names, env.task
     sizes = " - ".join(map(str, [network.inputs, *(layer.biases.size for layer in network.layers)]))
@@ -48,7 +49,7 @@ Kept is the policy that did best in the validations along the way.
 ## Limits
 
 * Trained on the model, scenario, draws, sensors and motor above, with a control period of {task.control_period} s, a
-  deadline of {task.deadline} s and {task.postlock_window} s after the last latch. Do not trust it with models,
+  deadline of {task.deadline} s and {task.settling_window} s after the last latch. Do not trust it with models,
   parameters, initial states, sensors, motors or periods on which neither training nor the scores above have tried it.
 * It expects these {len(names)} entries in this order, in the units of the environment:
   {", ".join(f"`{entry}`" for entry in names)}. {action}

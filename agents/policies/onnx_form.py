@@ -1,10 +1,8 @@
 """The network of a policy as an ONNX model, and the parity of the two."""
 
-from typing import Any
-
 import numpy as np
 import onnxruntime
-from onnx import TensorProto, checker, helper, numpy_helper
+from onnx import ModelProto, NodeProto, TensorProto, checker, helper, numpy_helper
 
 from agents.policies.network import PolicyNetwork
 
@@ -13,12 +11,12 @@ IR_VERSION = 8  # the one that came with the opset, so that runtimes as old as t
 ONNX_OPERATORS = {"relu": "Relu", "tanh": "Tanh"}
 
 
-def onnx_model(network: PolicyNetwork) -> Any:
+def onnx_model(network: PolicyNetwork) -> ModelProto:
     """Build the network as an `onnx.ModelProto`: "observation" (n, inputs) to "action" (n, outputs), both float32."""
-    nodes: list[Any] = []
-    constants: list[Any] = []
+    nodes: list[NodeProto] = []
+    constants: list[TensorProto] = []
 
-    def node(operator: str, values: str, output: str, *parameters: Any, **attributes: Any) -> str:
+    def node(operator: str, values: str, output: str, *parameters: object, **attributes: object) -> str:
         names = [f"{output}_{number}" for number in range(len(parameters))]
         arrays = [np.asarray(parameter, dtype=np.float32) for parameter in parameters]
         constants.extend(map(numpy_helper.from_array, arrays, names))

@@ -8,16 +8,16 @@ import json
 import re
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 import numpy as np
 
+from agents.environments import Keywords
 from agents.policies.network import Layer, PolicyNetwork
 from agents.torque_laws import DeterministicController, Signals
 from solar_env.support.files import PART, write_text, writing
-from solar_env.support.numbers import check_types
 from solar_env.support.plain_arrays import read_arrays, read_json
+from solar_env.support.values import check_types
 
 SHIPPED = Path(__file__).parent
 ARRAYS = "policy.npz"
@@ -25,7 +25,7 @@ DESCRIPTION = "policy.json"
 ONNX = "policy.onnx"
 CARD = "card.md"
 FORMAT = 5
-UNITS = ("torque_limit", "deadline", "control_period", "postlock_window")
+UNITS = ("torque_limit", "deadline", "control_period", "settling_window")
 _MEMBER = re.compile(rf"({'|'.join(Layer._fields)})_\d{{1,3}}")
 _MOST_BYTES = 2**26
 
@@ -41,7 +41,7 @@ class Description:
         env_id: Environment that it was trained on.
         env_kwargs: Keywords of that environment.
         observation_names: Name of every entry, in order; they stand in the comment of a C header.
-        torque_limit, deadline, control_period, postlock_window: See `Signals`.
+        torque_limit, deadline, control_period, settling_window: See `Signals`.
 
     Raises:
         ValueError: On construction, for a value of another kind, a module in the environment's id, or a unit that is
@@ -55,12 +55,12 @@ class Description:
     mean_limit: float | None
     training_steps: int
     env_id: str
-    env_kwargs: dict[str, Any]
+    env_kwargs: Keywords
     observation_names: tuple[str, ...]
     torque_limit: float
     deadline: float
     control_period: float
-    postlock_window: float
+    settling_window: float
 
     def __post_init__(self) -> None:
         check_types(self)
@@ -151,6 +151,8 @@ def _read_description(path: Path) -> Description:
     found = content.pop("format", None) if isinstance(content, dict) else None
     if found != FORMAT:
         raise ValueError(f"{path.name} has format {found!r}; this version reads format {FORMAT}")
+    if "postlock_window" in content:  # what files call it that were written before
+        content["settling_window"] = content.pop("postlock_window")
     expected = {field.name for field in fields(Description)}
     if set(content) != expected:
         raise ValueError(f"{path.name} has the keys {sorted(content)}; expected {sorted(expected)}")

@@ -1,7 +1,6 @@
 """Simulating a deployment of the array as a whole: parameters and model level in, trajectory out."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ from solar_env.mechanics.running.trajectory import Trajectory
 
 
 def simulate(
-    parameters: ArrayParameters | Mapping[str, Any] | None = None,
+    parameters: ArrayParameters | Mapping[str, object] | None = None,
     *,
     preset: str = "default",
     model: str | ModelLevel = "rigid-clearance",

@@ -6,9 +6,9 @@ import re
 from dataclasses import dataclass
 from typing import Any, Self
 
-from solar_env.array.names import unknown_name
 from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.bodies.description import AnyBody, Body, FlexibleBody, ModalPanel
+from solar_env.support.values import unknown_name
 
 RIGID, FLEXIBLE, IDEAL, CLEARANCE = "rigid", "flexible", "ideal", "clearance"
 # The levels without a count: rigid panels, or flexible ones of DEFAULT_MODES modes.

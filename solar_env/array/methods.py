@@ -18,7 +18,7 @@ from solar_env.mechanics.integrators.settings import (
 )
 
 PAPER = "paper"
-_LANDING_SPEED = 0.03  # m/s
+_LANDING_SPEED = 0.0075  # m/s
 # Names on the command line: every method, and the paper's choice of one.
 INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 
@@ -26,21 +26,16 @@ INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 def default_integrator(model: str | ModelLevel) -> RungeKutta:
     """The integrator that a level of the model gets when none is named.
 
-    Linearly implicit with panels of beam elements, whose stiff vibrations would bound explicit steps; that of modal
-    panels is their own. The tolerances come from measured errors: angles, latch times and statistics of impacts
+    Linearly implicit with panels of beam elements, whose stiff vibrations would bound explicit steps; modal panels have
+    `ModalRadau`. The tolerances come from measured errors: angles, latch times and statistics of impacts
     (`solar-env study precision`).
     """
     level = ModelLevel.of(model)
     if level.modal:
-        return _modal_radau(level)
+        return ModalRadau()
     if level.flexible:
         return Rosenbrock(rtol=1e-4)
     return RungeKutta(rtol=2e-6, impact_resolution=12.0) if level.clearance else RungeKutta(rtol=5e-7)
-
-
-def _modal_radau(level: ModelLevel) -> ModalRadau:
-    # Peak forces and impacts of the passive array converge at 2.5e-3 already, its deepest wear at 1e-3.
-    return ModalRadau(rtol=1e-3 if level.clearance else 2e-4)
 
 
 def landing_integrator(model: str | ModelLevel) -> RungeKutta:
@@ -79,7 +74,6 @@ def make_integrator(
         **{name: kind() for name, kind in INTEGRATORS.items()},
         RungeKutta.name: RungeKutta(rtol=1e-5),
         Rosenbrock.name: Rosenbrock(rtol=default.rtol),
-        ModalRadau.name: _modal_radau(level),
         PAPER: GeneralizedAlpha(rho_inf=1.0),
         default.name: default,
         None: default,

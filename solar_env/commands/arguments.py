@@ -9,13 +9,12 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, TypeVar, get_type_hints
 
 import tyro
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, read_parameters
-from solar_env.array.parameters.file import ParameterFile
+from solar_env.array import ArrayParameters, ParameterFile, read_parameters
 from solar_env.support.campaigns import Workers
 from solar_env.support.files import make_folder
 
@@ -112,7 +111,7 @@ class FolderOptions:
         return found
 
 
-def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
+def parse_assignments(pairs: Sequence[str]) -> dict[str, object]:
     """Turn `key=value` or `key:value` strings into a dictionary.
 
     Values are Python literals (`ast.literal_eval`), or true, false and null as in files; another bare word such as
@@ -121,7 +120,7 @@ def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
     Raises:
         ValueError: A pair has no key or no value, repeats a key, or has a value that is neither.
     """
-    result: dict[str, Any] = {}
+    result: dict[str, object] = {}
     for pair in pairs:
         match = re.fullmatch(r"\s*(\w+)\s*[=:]\s*(.+?)\s*", pair, re.DOTALL)
         if match is None:
@@ -141,14 +140,14 @@ def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
     return result
 
 
-_PAIRS: tyro.constructors.PrimitiveConstructorSpec[dict[str, Any]] = tyro.constructors.PrimitiveConstructorSpec(
+_PAIRS: tyro.constructors.PrimitiveConstructorSpec[dict[str, object]] = tyro.constructors.PrimitiveConstructorSpec(
     nargs="*",
     metavar="[KEY=VALUE ...]",
     instance_from_str=parse_assignments,
     is_instance=lambda value: isinstance(value, dict),
     str_from_instance=lambda value: [f"{key}={item}" for key, item in value.items()],
 )
-Assignments = Annotated[dict[str, Any], _PAIRS]
+Assignments = Annotated[dict[str, object], _PAIRS]
 """Type of a field that takes `key=value` pairs."""
 
 
@@ -174,7 +173,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
     return read
 
 
-def _senseless(cls: type[Any], argv: Sequence[str]) -> str:
+def _senseless(cls: type, argv: Sequence[str]) -> str:
     """What tyro lets pass: an empty word, as of a variable of the shell that is not set, and pairs that it drops."""
     hints = get_type_hints(cls, include_extras=True)
     pairs = {f"--{name.replace('_', '-')}" for name, kind in hints.items() if kind == Assignments}

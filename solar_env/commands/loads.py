@@ -51,7 +51,7 @@ def run_command(args: Args) -> int:
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):
         if path is not None:
             check_target(path, (suffix,))
-    from solar_env.array.methods import default_integrator
+    from solar_env.array import default_integrator
     from solar_env.commands.warmup import warm_up
 
     kernels = [(level.model, default_integrator(level.model).name) for level in plan.levels]

@@ -4,7 +4,7 @@ import json
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 from rich.console import Console
@@ -96,7 +96,7 @@ def run_command(args: Args) -> int:
     return 0
 
 
-def _print_summary(summary: dict[str, Any]) -> None:
+def _print_summary(summary: dict[str, object]) -> None:
     table = Table(title=f"{summary['model']}, {summary['duration_s']:g} s", show_header=False)
     for key, value in summary.items():
         values = value if isinstance(value, list) else [value]

@@ -10,9 +10,9 @@ from typing import Annotated
 
 import tyro
 
-from solar_env.array.names import unknown_name
 from solar_env.commands import table
 from solar_env.commands.arguments import CommandRecord, FolderOptions, WorkerOptions
+from solar_env.support.values import unknown_name
 
 _NAMES = "\n".join(f"{name}: {summary}" for name, summary in table.summaries(table.STUDIES, "run").items())
 

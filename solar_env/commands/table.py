@@ -8,8 +8,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from solar_env.array.names import unknown_name
 from solar_env.support.readme import PACKAGE
+from solar_env.support.values import unknown_name
 
 COMMANDS = "solar_env.commands"
 STUDIES = "solar_env.studies"

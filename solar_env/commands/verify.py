@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from solar_env.array.methods import compilation_note
+from solar_env.array import compilation_note
 from solar_env.commands.arguments import QuietOption
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.support.files import check_target, write_text

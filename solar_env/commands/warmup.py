@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
-from solar_env.array import MODELS, ArrayParameters, ModelLevel, build
-from solar_env.array.methods import compilation_note, make_integrator, mark_compiled
+from solar_env.array import MODELS, ArrayParameters, ModelLevel, build, compilation_note, make_integrator, mark_compiled
 from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
 from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage

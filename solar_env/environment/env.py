@@ -4,10 +4,10 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.environment.episodes import Episodes, checked_actions
+from solar_env.environment.episodes import Episodes, Info, checked_actions
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
 from solar_env.environment.showing.window import Window
 from solar_env.environment.task.observations import observation_table
@@ -37,7 +37,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | 0   | Motor torque on the driven hinge, positive opens; held for a period | -1 | 1 | `torque_limit` (N m) |
 
     With `action="rate"` the action a is the setpoint 5e-4 sinh(7 a) rad/s, up to 0.27 either way, of the hinge drive's
-    own rate loop: a motor torque of `rate_loop_gain` times the error of the hinge's rate, at most the torque limit, is
+    rate loop: a motor torque of `rate_loop_gain` times the error of the hinge's rate, at most the torque limit, is
     set `rate_loop_frequency` times in a second, behind a low-pass filter of `rate_loop_lag`. They are of the keyword
     `hardware`, by default 12 N m s/rad, 100 Hz and 0.1 s.
 
@@ -79,7 +79,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Episode End
 
-    * Termination: `postlock_window` after the last latching (the last step is cut to end there), or at the deadline if
+    * Termination: `settling_window` after the last latching (the last step is cut to end there), or at the deadline if
       a joint is still open.
     * Truncation: never by itself. With the defaults an episode has at most 300 steps.
 
@@ -93,7 +93,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ## Arguments
 
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `version`,
-    `torque_limit`, `control_period`, `deadline`, `postlock_window`, `driven_joint`, `action`, `observation`, `reward`,
+    `torque_limit`, `control_period`, `deadline`, `settling_window`, `driven_joint`, `action`, `observation`, `reward`,
     `scenario`, `randomize`, `hardware`, `render_mode` and `max_steps`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
@@ -102,7 +102,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
 
-    def __init__(self, **keywords: Any) -> None:
+    def __init__(self, **keywords: object) -> None:
         """See the class.
 
         Raises:
@@ -113,7 +113,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         self.metadata = {**self.metadata, "render_fps": settings.frames_per_second}
         self.model = str(settings.level)
-        self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.drive
+        self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.devices
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
         self._episodes = Episodes(settings, [self.parameters])
@@ -134,9 +134,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Copies of the present episode to try its futures with, while it stays as it is; see `Episodes.futures`."""
         return self._episodes.futures(0, lanes, threads)
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
         """Fold the array and draw its parameters.
 
         The option {"parameters": {name: value}} changes parameters for this episode.
@@ -154,7 +152,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
                 self._window.show(self._episodes.render(0))
             return self._episodes.observations[0].copy(), self._episodes.info(0)
 
-    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, Info]:
         """Hold an action (1,), clipped to [-1, 1], for one control period.
 
         Raises:

@@ -9,8 +9,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters
-from solar_env.array.methods import announce_compilation, mark_compiled
+from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
 from solar_env.environment.task.periods import begin_periods, begin_samples, end_periods, observe_lanes
@@ -19,6 +18,8 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
+
+Info = dict[str, Any]  # of a step or a deployment, as the environments tell it
 
 
 class SavedEpisode(NamedTuple):
@@ -60,7 +61,7 @@ class Episodes:
         self.rewards, self._end_times, self._sample_ends = np.zeros(lanes), np.zeros(lanes), np.zeros(lanes)
         self._loop_torques, self._rate_errors = np.zeros((lanes, motors)), np.zeros((lanes, motors))
         self.terminated = np.zeros(lanes, dtype=np.bool_)
-        self._numbers, self._samples = settings.task.numbers(settings.drive), settings.task.samples(settings.drive)
+        self._numbers, self._samples = settings.task.numbers(settings.devices), settings.task.samples(settings.devices)
         self._batch: Batch | None = None
         self._films = [Film(settings) for _ in range(lanes)]
         self._threads, self._busy = threads, False
@@ -221,12 +222,12 @@ class Episodes:
         copies.rewards[:], copies.terminated[:] = self.rewards[lane], self.terminated[lane]
         return copies
 
-    def info(self, lane: int) -> dict[str, Any]:
+    def info(self, lane: int) -> Info:
         """Information of every step: time [s] and terms of the reward."""
         terms = dict(zip(self.settings.terms.names, self.terms[lane].tolist(), strict=True))
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
-    def figures(self, lane: int) -> dict[str, Any]:
+    def figures(self, lane: int) -> Info:
         """The physical figures of an episode so far, for `info["deployment"]`.
 
         Warns:
@@ -280,7 +281,7 @@ def raise_first(failures: Mapping[int, SimulationError]) -> None:
         raise failures[lane]
 
 
-def checked_actions(given: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def checked_actions(given: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """Actions, (motors,) of one array or (lanes, motors) of many, as a new array of floating-point numbers.
 
     Raises:

@@ -8,7 +8,7 @@ import sys
 from dataclasses import dataclass
 
 from solar_env.array.parameters.checks import Rule, check_rows, number
-from solar_env.support.numbers import is_whole_number
+from solar_env.support.values import is_whole_number
 
 _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "must be a finite number, not negative")
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
@@ -26,7 +26,7 @@ class Hardware:
         motor_lag: time constant with which the motor torque follows the action [s]; 0 for none.
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
         attitude_noise: standard deviation of the noise of the measured direction of the main body [rad].
-        rate_loop_gain: torque of the drive's own rate loop per error of the rate [N m s/rad]; of `action="rate"`.
+        rate_loop_gain: torque of the drive's rate loop per error of the rate [N m s/rad]; of `action="rate"`.
         rate_loop_frequency: samples of that loop in a second [Hz]; it reads its rate with `rate_noise` and without
             delay, and holds its torque from one sample to the next.
         rate_loop_lag: time constant of the low-pass filter of that loop's torque [s]; 0 for none. Without it the loop

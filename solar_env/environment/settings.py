@@ -10,7 +10,6 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.methods import landing_integrator
-from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import SCENARIOS
@@ -20,6 +19,7 @@ from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS, Task
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.running.simulation import Simulation
+from solar_env.support.values import changed, unknown_name
 
 RENDER_MODES = ("human", "rgb_array")
 Changes = Mapping[str, Any]
@@ -37,7 +37,7 @@ class EnvironmentSettings:
             that answers a question.
         parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
         version: of the task, with the values of the next four keywords and the prices of the reward.
-        torque_limit, control_period, deadline, postlock_window: see `task.task.Task`; by default the version's.
+        torque_limit, control_period, deadline, settling_window: see `task.task.Task`; by default the version's.
         driven_joint, action: see `task.task.Task`.
         observation: "drive", "history", "landing" or "privileged", or names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
@@ -61,7 +61,7 @@ class EnvironmentSettings:
     torque_limit: float | None = None
     control_period: float | None = None
     deadline: float | None = None
-    postlock_window: float | None = None
+    settling_window: float | None = None
     driven_joint: int = Task.driven_joint
     action: str = Task.action
     observation: str | Names = "drive"
@@ -79,7 +79,7 @@ class EnvironmentSettings:
         for name, table in (("scenario", SCENARIOS), ("version", VERSIONS)):
             if getattr(self, name) not in table:
                 raise ValueError(unknown_name(f"the {name}", getattr(self, name), table))
-        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms"):
+        for name in ("level", "integrator", "array", "ranges", "devices", "task", "entries", "terms"):
             getattr(self, name)
         build(self.array, self.level)  # refuses parameters that do not go with the panels
 
@@ -92,7 +92,7 @@ class EnvironmentSettings:
                 raise TypeError(unknown_name("the environment's keyword", name, known))
         given = cls(**keywords)
         model, array, ranges = str(given.level), given.array, given.ranges
-        return replace(given, model=model, parameters=array, randomize=ranges, hardware=given.drive)
+        return replace(given, model=model, parameters=array, randomize=ranges, hardware=given.devices)
 
     @cached_property
     def level(self) -> ModelLevel:
@@ -129,7 +129,7 @@ class EnvironmentSettings:
         return checked_ranges(self.array, {name: (low, high) for name, (low, high) in pairs.items()})
 
     @cached_property
-    def drive(self) -> Hardware:
+    def devices(self) -> Hardware:
         """Sensors and motor."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
@@ -146,7 +146,7 @@ class EnvironmentSettings:
                 f"driven_joint = {task.driven_joint!r} must be below {len(self.array.joints)}, the number of joints; "
                 "the root has index 0"
             )
-        task.samples(self.drive)  # refuses a loop whose samples do not fit into a control period
+        task.samples(self.devices)  # refuses a loop whose samples do not fit into a control period
         return task
 
     @cached_property
@@ -167,7 +167,7 @@ class EnvironmentSettings:
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
         lock_angles = [joint.lock_angle for joint in self.array.joints]
-        return Sensors(lanes, lock_angles, self.entries, self.drive, self.task.deadline)
+        return Sensors(lanes, lock_angles, self.entries, self.devices, self.task.deadline)
 
     def observation_space(self) -> gymnasium.Space[Any]:
         """Space of one observation."""

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.environment.env import Observation
-from solar_env.environment.episodes import Episodes, SavedEpisode, checked_actions
-from solar_env.environment.settings import EnvironmentSettings
+from solar_env.environment.episodes import Episodes, Info, SavedEpisode, checked_actions
+from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.support.numbers import is_whole_number, plain
+from solar_env.support.values import is_whole_number, plain
 
 Actions = NDArray[np.float32]
 Flags = NDArray[np.bool_]
-Results = tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]
+Results = tuple[Observation, NDArray[np.float64], Flags, Flags, Info]
 
 
 class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
@@ -69,7 +69,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
         self.parameters = [settings.design(entry) for entry in by_lane]
         self.model = str(settings.level)
-        self.randomize, self.hardware = settings.ranges, settings.drive
+        self.randomize, self.hardware = settings.ranges, settings.devices
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         timing = {"render_fps": settings.frames_per_second, "autoreset_mode": self.autoreset_mode}
@@ -98,7 +98,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
+    ) -> tuple[Observation, Info]:
         """Fold the arrays and draw their parameters.
 
         Args:
@@ -132,12 +132,12 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             for lane, (generator, used) in seeded.items():
                 self._generators[lane], self._seeds[lane] = generator, used
             self._fold(lanes, chosen)
-            infos: dict[str, Any] = {}
+            infos: Info = {}
             for lane in begun:
                 self._add_info(infos, self.episodes.info(lane), lane)
             return self.episodes.observations.copy(), infos
 
-    def _fold(self, lanes: NDArray[np.int64], changes: Sequence[Mapping[str, Any]]) -> None:
+    def _fold(self, lanes: NDArray[np.int64], changes: Sequence[Changes]) -> None:
         self.episodes.reset(lanes, [self._generators[lane] for lane in lanes], changes)
         self._ended[lanes] = False
         self._elapsed[lanes] = 0
@@ -169,23 +169,21 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             np.logical_or(terminations, truncations, out=self._ended)
             rewards, infos = episodes.rewards.copy(), self._infos()
             if self._ended.any():
-                last: dict[int, dict[str, Any]]
+                last: dict[int, Info]
                 last = {lane: {"deployment": episodes.figures(lane)} for lane in np.flatnonzero(terminations).tolist()}
                 last |= {lane: {"failure": str(error)} for lane, error in failures.items()}
                 self._end_episodes(np.flatnonzero(self._ended), last, infos)
             return episodes.observations.copy(), rewards, terminations, truncations, infos
 
-    def _infos(self) -> dict[str, Any]:
+    def _infos(self) -> Info:
         """Information of all lanes, with the masks of `gymnasium.vector`."""
         terms = dict(zip(self.reward.names, self.episodes.terms.T.copy(), strict=True))
-        told: dict[str, Any] = {"time_s": self.episodes.times, "reward_terms": terms}
+        told: Info = {"time_s": self.episodes.times, "reward_terms": terms}
         for values in (told["reward_terms"], told):
             values.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(values)})
         return told
 
-    def _end_episodes(
-        self, lanes: NDArray[np.int64], last: Mapping[int, dict[str, Any]], infos: dict[str, Any]
-    ) -> None:
+    def _end_episodes(self, lanes: NDArray[np.int64], last: Mapping[int, Info], infos: Info) -> None:
         """Add the information of last steps of episodes, and begin the next ones if that is to be in the same step."""
         episodes = self.episodes
         if self.autoreset_mode is not AutoresetMode.SAME_STEP:
@@ -212,12 +210,12 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self._generators[lane] = generator
         self.episodes.draw_from(lane, generator)
 
-    def close_extras(self, **kwargs: Any) -> None:
+    def close_extras(self, **kwargs: object) -> None:
         """End the threads."""
         self.episodes.close()
 
 
-def _by_lane(name: str, given: Any, lanes: int) -> list[Any]:
+def _by_lane(name: str, given: object, lanes: int) -> list[Any]:
     """An entry for each lane: those of a sequence, or one and the same."""
     entries = list(given) if isinstance(given, (Sequence, np.ndarray)) else [given] * lanes
     if len(entries) != lanes:
@@ -226,7 +224,7 @@ def _by_lane(name: str, given: Any, lanes: int) -> list[Any]:
 
 
 class Lane:
-    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector."""
+    """One lane as the single environment that it stands for: the lane's attributes, and those of the whole vector."""
 
     def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
         self._env, self._index = env, index

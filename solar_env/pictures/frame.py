@@ -107,7 +107,7 @@ def _enlarged(points: ArrayLike) -> list[tuple[float, float]]:
 
 @cache
 def _font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Pillow's own typeface: ASCII and little more, but the same on every machine."""
+    """Pillow's typeface: ASCII and little more, but the same on every machine."""
     return ImageFont.load_default(size)
 
 

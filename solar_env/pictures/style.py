@@ -104,7 +104,7 @@ OUTCOME_COLOURS: Mapping[str, str] = {
     "blow-up": "#882255",
     "refused": "#9a9fa5",
 }
-# Of controllers that have no look of their own, as those of training runs.
+# Of controllers without a row, as those of training runs.
 _OTHERS = (_look("#ff5fa2", "h"), _look("#6b8e23", "2"), _look("#a05fff", "8"), _look("#3d3d8f", "4"))
 
 
@@ -124,15 +124,15 @@ def controller_looks(names: Sequence[str]) -> dict[str, Look]:
 
     A controller has its row of `CONTROLLER_LOOKS`, a shipped policy ("cma-es-nominal") the row of its algorithm, a
     search around another controller ("receding-horizon:servo") that of the search; when that is taken, and for training
-    runs under names of their own, the next of some spare looks.
+    runs under other names, the next of some spare looks.
     """
     looks = {name: CONTROLLER_LOOKS[name] for name in names if name in CONTROLLER_LOOKS}
     taken, spare = list(looks.values()), list(_OTHERS)
     for name in names:
         if name not in looks:
             owners = (row for row in CONTROLLER_LOOKS if name.startswith((f"{row}-", f"{row}:")))
-            own = CONTROLLER_LOOKS.get(next(owners, ""))
-            look = own if own is not None and own not in taken else spare[0]
+            of_owner = CONTROLLER_LOOKS.get(next(owners, ""))
+            look = of_owner if of_owner is not None and of_owner not in taken else spare[0]
             spare = spare[1:] + spare[:1] if look is spare[0] else spare
             taken.append(look)
             looks[name] = look

@@ -63,8 +63,8 @@ def each_done(
     with starting_workers():
         results = Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
     with warnings.catch_warnings():
-        # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in a thread of
-        # its own. Made an error, by a filter, the warning would end this thread, and results would never come.
+        # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in another
+        # thread. Made an error, by a filter, the warning would end this thread, and results would never come.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         yield from results
 
@@ -92,10 +92,10 @@ class Campaign:
 
     def __init__(
         self,
-        function: Callable[[Cell], Any],
+        function: Callable[[Cell], object],
         cells: Sequence[Cell],
         store: Path,
-        settings: Mapping[str, Any] | None = None,
+        settings: Mapping[str, object] | None = None,
         admits: Callable[[Any], bool] = lambda _: True,
     ) -> None:
         self._function, self._store = function, store

@@ -94,7 +94,7 @@ def write_text(path: str | Path, content: str) -> None:
     write_bytes(path, content.encode())
 
 
-def save_figure(figure: Any, path: str | Path, **options: Any) -> None:
+def save_figure(figure: Any, path: str | Path, **options: object) -> None:
     """Write a Matplotlib figure whole or not at all, in the format that the name ends in, with options of `savefig`."""
     with writing(path) as file:
         figure.savefig(file, format=Path(path).suffix[1:].lower(), **options)

@@ -8,7 +8,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
 
 EXIT_STATUS = 130  # 128 + SIGINT, as shells have it
 
@@ -61,7 +60,7 @@ def hearing() -> Iterator[None]:
         heard.append(True)
         raise KeyboardInterrupt
 
-    def again(lost: Any) -> None:
+    def again(lost: "sys.UnraisableHookArgs") -> None:
         if not heard:
             usual(lost)
             return

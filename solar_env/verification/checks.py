@@ -58,8 +58,8 @@ def compare(
         quantity: of all of them, with {} for the name.
         tolerance, source, relative: of `Check`.
     """
-    for name, expected, obtained, *own in figures:
-        bound = own[0] if tolerance is None else tolerance
+    for name, expected, obtained, *bounds in figures:
+        bound = bounds[0] if tolerance is None else tolerance
         yield Check(quantity.format(name), float(expected), float(obtained), bound, source, relative)
 
 

@@ -48,7 +48,7 @@ def test_landings_take_the_default_but_for_slower_contacts_of_modal_panels(model
 @pytest.mark.parametrize("name", INTEGRATOR_NAMES)
 def test_integrators_by_name(name: str, level: str) -> None:
     default, flexible = default_integrator(level), level.startswith("flexible")
-    modal = ModalRadau(rtol=1e-3 if "clearance" in level else 2e-4)
+    modal = ModalRadau()
     model = level.replace("elements", "modes") if name == "modal-radau" else level
     if flexible:
         assert default_integrator(level.replace("elements", "modes")) == modal

@@ -62,8 +62,8 @@ def test_futures_drive_the_same_joint(joint):
 @pytest.mark.parametrize(
     ("law", "parameters"),
     [
-        (ViscousDamper, DamperParameters(postlock_damping=2.0)),
-        (VelocityProfileServo, ServoParameters(postlock_damping=2.0)),
+        (ViscousDamper, DamperParameters(settling_damping=2.0)),
+        (VelocityProfileServo, ServoParameters(settling_damping=2.0)),
         (InputShapedProfile, None),
     ],
 )

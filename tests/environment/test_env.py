@@ -179,7 +179,7 @@ def test_wrong_keywords_are_refused_by_name():
         ({"randomize": {"clearance": (0.0, 1e-4)}}, "clearance.*positive"),
         ({"torque_limit": -0.5}, "torque_limit.*-0.5"),
         ({"control_period": math.inf}, "control_period.*inf"),
-        ({"postlock_window": 0.01}, "postlock_window.*control_period"),
+        ({"settling_window": 0.01}, "settling_window.*control_period"),
         ({"render_mode": "ansi"}, "ansi.*human.*rgb_array"),
     ):
         with pytest.raises(ValueError, match=words):

@@ -49,7 +49,7 @@ def test_an_episode_ends_exactly_one_window_after_the_last_latching(passive):
 
 
 def test_the_energy_residual_of_an_episode_is_that_of_its_simulation():
-    env = make("rigid-clearance", parameters=STRONG, postlock_window=0.5)
+    env = make("rigid-clearance", parameters=STRONG, settling_window=0.5)
     env.reset(seed=0)
     stored = env.simulation.state.clock["initial_energy"]
     falsified = 0.001 * stored[0]  # within the share that nobody is warned of

@@ -25,7 +25,7 @@ def test_noise_comes_with_the_seed():
 @pytest.mark.parametrize("delay", [1, 3])
 def test_what_is_measured_comes_late_and_what_the_controller_knows_does_not(delay):
     actions = np.sin(np.arange(60.0))
-    keywords = {"parameters": STRONG, "postlock_window": 5.0}
+    keywords = {"parameters": STRONG, "settling_window": 5.0}
     exact = watch(make(**keywords), actions)
     late = watch(make(hardware={"sensor_delay": delay}, **keywords), actions)
     measured = [*ANGLES, *RATES, *LATCHED, SINCE_LATCH]

@@ -14,7 +14,7 @@ EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "plan_with_saved_st
 
 
 def test_looking_ahead_beats_the_springs_alone():
-    env = gymnasium.make(DEPLOY, model="rigid-ideal", postlock_window=2.0)
+    env = gymnasium.make(DEPLOY, model="rigid-ideal", settling_window=2.0)
     env.reset(seed=0)
     planned = runpy.run_path(str(EXAMPLE))["plan"](env)
     env.reset(seed=0)

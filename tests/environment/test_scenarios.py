@@ -93,7 +93,7 @@ def test_hinges_differ_where_their_range_does_and_else_in_what_varies_from_hinge
 
 
 def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit():
-    keywords = {"observation": "history", "parameters": STRONG, "postlock_window": 1.0}
+    keywords = {"observation": "history", "parameters": STRONG, "settling_window": 1.0}
     vector = gymnasium.make_vec(DEPLOY_RANDOMISED, num_envs=3, autoreset_mode="NextStep", **keywords)
     actions = np.random.default_rng(0).uniform(-1, 1, (50, 3, 1)).astype(np.float32)
     seen = [vector.reset(seed=7)[0], *(vector.step(action)[0] for action in actions)]

@@ -47,7 +47,7 @@ def test_settings_cannot_be_changed_and_a_changed_copy_is_checked_anew():
     settings = EnvironmentSettings(deadline=5.0)
     with pytest.raises(FrozenInstanceError):
         settings.deadline = 6.0
-    assert replace(settings, postlock_window=2.0).task.postlock_window == 2.0
+    assert replace(settings, settling_window=2.0).task.settling_window == 2.0
     with pytest.raises(ValueError, match=r"deadline = 0\.01 s is below control_period"):
         replace(settings, deadline=0.01)
     for joint, words in ((2, "driven_joint = 2 must be below 2, the"), (-1, "-1"), (0.5, "0.5"), (True, "True")):

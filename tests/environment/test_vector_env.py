@@ -23,7 +23,7 @@ def make_sync(mode=AutoresetMode.NEXT_STEP, lanes=LANES, **keywords):
 @pytest.mark.parametrize("longest", [None, 23], ids=["whole episodes", "truncated"])
 @pytest.mark.parametrize("mode", AutoresetMode)
 def test_it_gives_what_sync_vector_env_gives_bit_for_bit(mode, longest):
-    keywords = {"randomize": RANGES, "parameters": STRONG, "max_episode_steps": longest, "postlock_window": 2.0}
+    keywords = {"randomize": RANGES, "parameters": STRONG, "max_episode_steps": longest, "settling_window": 2.0}
     # All that there is to observe and to charge.
     keywords["observation"] = [row.name for row in OBSERVABLES]
     keywords["reward"] = {**{term.name: 1.0 for term in REWARD_TERMS}, "missed_deadline": 100.0}

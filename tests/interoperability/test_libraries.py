@@ -18,7 +18,7 @@ from solar_env.environment.registration import DEPLOY
 
 ROOT = Path(__file__).resolve().parents[2]
 ZOO = ROOT / "agents" / "configs" / "rl-zoo3" / "ppo.yml"
-SHORT = {"model": "rigid-ideal", "deadline": 13.0, "postlock_window": 0.5}
+SHORT = {"model": "rigid-ideal", "deadline": 13.0, "settling_window": 0.5}
 
 
 def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():

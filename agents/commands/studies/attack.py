@@ -12,6 +12,7 @@ from gymnasium.vector import AutoresetMode
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
 from agents.learning import runs
 from solar_env.commands.study import Args
+from solar_env.environment.episodes import Info
 from solar_env.environment.task.task import Task
 from solar_env.support.minimisation import minimise
 
@@ -24,7 +25,7 @@ LONGEST_HALF_PERIOD = 4  # control periods
 OPTIONS = ("quick", "out")
 SEED = 0  # of the search and of its episodes
 EPISODES, QUICK_EPISODES = 1920, 28
-KEYWORDS: dict[str, Any] = {}  # of the environment
+KEYWORDS: dict[str, object] = {}  # of the environment
 FILE = "attack.json"
 
 
@@ -47,14 +48,14 @@ def passive_profile() -> np.ndarray:
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 
-def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[dict[str, Any]]:
+def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[Info]:
     """Run an episode of each profile, at most one a lane; returns "return" and the figures of `info["deployment"]`."""
     env, idle = env.unwrapped, env.num_envs - len(profiles)
     given = np.stack([*profiles, *[passive_profile()] * idle])
     env.reset(seed=[*seeds, *[0] * idle])
     episodes, going = env.episodes, np.arange(len(profiles))
     totals = np.zeros(env.num_envs)
-    results: list[dict[str, Any]] = [{} for _ in profiles]
+    results: list[Info] = [{} for _ in profiles]
     while going.size:
         latched = episodes.batch.states.clock["latched_joints"][:, 0] > 0
         episodes.step(going, actions(given, episodes.times, latched, env.task)[:, None])

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from agents.comparison.evaluation import RIGID, evaluate
+from agents.comparison.evaluation import evaluate
 from agents.comparison.figures import Curve, learning_curves_figure
-from agents.environments import DEFAULT_ENV_ID, environment_settings
+from agents.environments import DEFAULT_ENV_ID, RIGID, environment_settings
 from agents.learning import learn, runs
 from solar_env.commands.study import Args
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
@@ -69,7 +69,7 @@ def train_missing(wanted: dict[Path, runs.Configuration], args: Args) -> None:
     for folder, config in wanted.items():
         if (folder / runs.CONFIG).is_file() and replace(runs.read_config(folder), **origin) != config:
             raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
-    # One thread each and no bar of their own: they run side by side.
+    # One thread each and no bar: they run side by side.
     missing = [
         learn.Training(config, folder, folder if learn.has_checkpoint(folder) else None, args.command, False, 1)
         for folder, config in wanted.items()
@@ -95,10 +95,10 @@ def drawn(table: Table) -> tuple[dict[str, list[Curve]], dict[str, float]]:
     curves: dict[str, list[Curve]] = {}
     laws: dict[str, float] = {}
     for controller in map(str, table.values("controller")):
-        own = table.where(controller=controller)
+        validations = table.where(controller=controller)
         if controller in LAWS:
-            (laws[controller],) = own.column("return")
+            (laws[controller],) = validations.column("return")
             continue
-        runs_of_agent = [own.where(seed=seed) for seed in own.values("seed")]
+        runs_of_agent = [validations.where(seed=seed) for seed in validations.values("seed")]
         curves[controller] = [(run.column("simulated_s"), run.column("return")) for run in runs_of_agent]
     return curves, laws

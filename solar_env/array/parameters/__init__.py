@@ -3,7 +3,7 @@
 `parameters` holds the values with units and sources, `checks` says what they may be and refuses the rest, `ranges`
 draws what is not known exactly, `file` reads and writes all of it as TOML.
 
-Imports `mechanics` and `array.names`. A new parameter is a field of `ArrayParameters`.
+Imports `mechanics` and `support`. A new parameter is a field of `ArrayParameters`.
 """
 
 from solar_env.array.parameters.parameters import PRESETS as PRESETS

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from solar_env.mechanics.running.diagnosis import SimulationWarning, restitution_text, warn
-from solar_env.support.numbers import is_number
+from solar_env.support.values import is_number
 
 ArrayParameters = Any  # of `parameters`, which imports this module
 
@@ -70,7 +70,7 @@ ANGULAR_RATE = Usual(0.0, 10.0, "rad/s", "degrees per second")
 _LEAST_PROPORTION = 1e-12
 
 
-def number(default: Any, rule: Rule = ANY, usual: Usual | None = None, **marks: Any) -> Any:
+def number(default: object, rule: Rule = ANY, usual: Usual | None = None, **marks: Any) -> Any:
     """The field of a parameter, with the rest of its `Row`."""
     return field(default=default, metadata={"row": Row(rule, usual, **marks)})
 
@@ -124,7 +124,7 @@ def check_parameters(p: ArrayParameters) -> None:
             _warn_of_implausible(name, p.entries(name), usual)
 
 
-def _check_value(p: ArrayParameters, name: str, default: Any, row: Row) -> None:
+def _check_value(p: ArrayParameters, name: str, default: object, row: Row) -> None:
     value = getattr(p, name)
     if isinstance(default, (str, bool)):
         _require(p, name, isinstance(value, type(default)), f"must be of type {type(default).__name__}")
@@ -174,7 +174,7 @@ def _require(p: ArrayParameters, name: str, condition: bool, rule: str) -> None:
 _told: set[tuple[str, str]] = set()
 
 
-def _warn_of_implausible(name: str, entries: tuple[Any, ...], usual: Usual) -> None:
+def _warn_of_implausible(name: str, entries: tuple[float | None, ...], usual: Usual) -> None:
     """Warn, once a process, of the first entry beyond what spacecraft have."""
     low, high, unit, slip = usual
     odd = [value for value in entries if value and not low <= abs(value) <= high]

@@ -15,12 +15,11 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from solar_env.array.names import unknown_name
 from solar_env.array.parameters.checks import row_of
 from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
-from solar_env.support.numbers import is_number
 from solar_env.support.plain_arrays import read_at_most
+from solar_env.support.values import is_number, unknown_name
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
 # How a file says None, for which TOML has no word.
@@ -143,6 +142,6 @@ def parameter_text(parameters: ArrayParameters) -> str:
     return "\n".join([*lines, _TABLES])
 
 
-def _toml(value: Any) -> str:
+def _toml(value: object) -> str:
     """A value as TOML has it: JSON's, but for None."""
     return f'"{NONE}"' if value is None else json.dumps(value)

@@ -14,12 +14,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any, ClassVar, Self
 
-from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameters import checks as c
 from solar_env.array.parameters.checks import number, per_joint
 from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw, Surfaces, contact_law
-from solar_env.mechanics.mechanism.description import Bearing, Stop
-from solar_env.support.numbers import plain
+from solar_env.mechanics.mechanism import Bearing, Stop
+from solar_env.support.values import changed, plain, unknown_name
 
 PerJoint = float | tuple[float, ...]
 MAIN_BODY = 0  # index among the bodies of the mechanism
@@ -96,8 +95,8 @@ class ArrayParameters:
             "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing.
         restitution: coefficient of restitution of the contact law.
         contact_stiffness: K [N/m^1.5] between spheres; None computes it by the paper's Eq 40 from the radii and the
-            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes its own, of
-            another unit, from these and bearing_width, and needs None.
+            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes one of
+            another unit from these and bearing_width, and needs None.
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             where the stiffness is computed; a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: a hundredth
@@ -203,7 +202,7 @@ class ArrayParameters:
             raise ValueError(unknown_name("preset", name, PRESETS))
         return cls(**PRESETS[name])
 
-    def with_changes(self, changes: Mapping[str, Any]) -> Self:
+    def with_changes(self, changes: Mapping[str, object]) -> Self:
         """A copy with some parameters changed.
 
         Raises:
@@ -260,7 +259,7 @@ class ArrayParameters:
             width=self.bearing_width,
         )
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, object]:
         """All parameters as values that JSON keeps; `with_changes` takes them back."""
         return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from solar_env.array.names import unknown_name
 from solar_env.array.parameters.parameters import ArrayParameters
-from solar_env.support.numbers import is_number, plain
+from solar_env.support.values import is_number, plain, unknown_name
 
 # Joint rates [rad/s], either way of rest, at which deployments that are meant to be alike are released: impacts are
 # chaotic, so that a single deployment says little, and these are far apart from the latching on. In the mean, joint 1
@@ -24,7 +23,7 @@ Ranges = Mapping[str, tuple[Bound, Bound]]
 _BELOW_ANOTHER = ("clearance", "friction_speed_zero")  # parameters that must stay below another one
 
 
-def drawn(ranges: Ranges, generator: np.random.Generator) -> dict[str, Any]:
+def drawn(ranges: Ranges, generator: np.random.Generator) -> dict[str, float | tuple[float, ...]]:
     """Values drawn uniformly from checked ranges, by joint where the bounds are; changes for `with_changes`."""
     values = {name: generator.uniform(low, high) for name, (low, high) in ranges.items()}
     return {name: tuple(value.tolist()) if np.ndim(value) else float(value) for name, value in values.items()}
@@ -73,7 +72,7 @@ def _spread(told: str, given: Any, joints: int | None) -> Bound:
     if joints is None:
         if entries is value:
             raise ValueError(f"{told} must be a single number")
-        return float(value)
+        return float(entries[0])
     if not 1 <= len(entries) <= joints:
         raise ValueError(f"{told} must have 1 to {joints} entries, one a joint")
     return tuple(float(entries[min(j, len(entries) - 1)]) for j in range(joints))

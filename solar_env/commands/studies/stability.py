@@ -3,7 +3,7 @@
 import textwrap
 from pathlib import Path
 
-from solar_env.array.methods import compilation_note
+from solar_env.array import compilation_note
 from solar_env.commands.study import Args
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.support.files import write_text

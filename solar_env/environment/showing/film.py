@@ -23,7 +23,7 @@ class Film:
         self._times = [0.0]
         self._renderer: Renderer | None = None
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """Without the renderer, which a copy makes anew."""
         return {**vars(self), "_renderer": None}
 
@@ -36,7 +36,7 @@ class Film:
         """The frame of the present state; (540, 960, 3) uint8."""
         if self._renderer is None:
             task, folded = self._settings.task, self._settings.simulation(parameters)
-            self._renderer = Renderer(self._scene(folded, parameters), task.deadline + task.postlock_window)
+            self._renderer = Renderer(self._scene(folded, parameters), task.deadline + task.settling_window)
         return self._renderer.draw(self._scene(simulation, parameters))
 
     def _scene(self, simulation: Simulation, parameters: ArrayParameters) -> Scene:

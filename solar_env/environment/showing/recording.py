@@ -25,11 +25,11 @@ class RecordTrajectory(gymnasium.Wrapper):
         self._step = output_step
         self._recorder: Recorder | None = None
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, object] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its record."""
         result = super().reset(seed=seed, options=options)
         env: Any = self.unwrapped
-        longest = env.task.deadline + env.task.postlock_window + env.task.control_period
+        longest = env.task.deadline + env.task.settling_window + env.task.control_period
         times = np.arange(math.ceil(longest / self._step)) * self._step
         self._recorder = make_recorder(env.simulation.model, env.simulation.state, times, _CONTACTS)
         env._episodes.batch.record(self._recorder)

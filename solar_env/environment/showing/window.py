@@ -5,6 +5,7 @@ import os
 from typing import Any
 
 import gymnasium
+import numpy as np
 from numpy.typing import NDArray
 
 _INVISIBLE = ("offscreen", "dummy")  # drivers that SDL takes where there is no display
@@ -44,10 +45,10 @@ class Window:
         self._surface: Any = None
         self._clock: Any = None
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {**vars(self), "_surface": None, "_clock": None}
 
-    def show(self, frame: NDArray[Any] | None) -> None:
+    def show(self, frame: NDArray[np.uint8] | None) -> None:
         """Show a frame, (height, width, 3) uint8, once its time has come."""
         assert frame is not None
         pygame = open_display()

@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from functools import cache
 from types import CodeType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Values = NDArray[Any]
+Values = NDArray[np.float64]
 MEASURED = ("theta", "rate", "latched", "time_to_deadline")
 """Observables that features are made of."""
 
@@ -26,7 +26,7 @@ FORMULA_WORDS = {
 }
 
 
-def words(measured: Mapping[str, Values], lock_angles: Values, deadline: float) -> dict[str, Any]:
+def words(measured: Mapping[str, Values], lock_angles: Values, deadline: float) -> dict[str, object]:
     """The values of the words of the formulas in several arrays, (lanes, joints) or (lanes, 1), at one moment.
 
     Measured, by the names in `MEASURED`, are (lanes, joints) angles in units of the lock angles [rad], rates [rad/s]
@@ -81,7 +81,7 @@ class Feature(NamedTuple):
     formula: str
     by_joint: bool = False
 
-    def of(self, words: Mapping[str, Any]) -> Values:
+    def of(self, words: Mapping[str, object]) -> Values:
         """Its values, (lanes, joints), or (lanes, 1) where it is not by joint."""
         return eval(_compiled(self.formula), {"__builtins__": {}}, words)
 

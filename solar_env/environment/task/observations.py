@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array.names import unknown_name
 from solar_env.environment.task.control import last_latch
 from solar_env.environment.task.features import FEATURES, MEASURED, Feature
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
+from solar_env.support.values import unknown_name
 
 # Codes of `reading`.
 THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)
@@ -56,7 +56,7 @@ OBSERVABLES = (
     Observable("motor_torque", "torque in the last period", "torque_limit", -1.0, 1.0, MOTOR_TORQUE),
     Observable("time_to_deadline", "time left", "deadline", 0.0, 1.0, TIME_TO_DEADLINE),
     Observable(
-        "time_since_latch", "time since the last latching", "postlock_window", 0.0, 1.0, TIME_SINCE_LATCH, delayed=True
+        "time_since_latch", "time since the last latching", "settling_window", 0.0, 1.0, TIME_SINCE_LATCH, delayed=True
     ),
     Observable("eccentricity_x", "journal off its bearing's centre", "clearance", -2.0, 2.0, ECCENTRICITY_X, True),
     Observable("eccentricity_y", "the same, along the inertial y", "clearance", -2.0, 2.0, ECCENTRICITY_Y, True),
@@ -182,7 +182,7 @@ def reading(code, j, model, state, task):
         return (task.deadline - state.clock[0].time) / task.deadline
     if code == TIME_SINCE_LATCH:
         latched_at = last_latch(state.joints)
-        return (state.clock[0].time - latched_at) / task.postlock_window if latched_at == latched_at else 0.0
+        return (state.clock[0].time - latched_at) / task.settling_window if latched_at == latched_at else 0.0
     if code == RECENT_PEAK_FORCE:
         return 1e-3 * joint_state.recent_peak_force
     return math.nan

@@ -27,7 +27,7 @@ def begin_periods(states, task, lanes, end_times):
             state.joints[j].recent_peak_force = 0.0
         end = (round(state.clock[0].time / task.control_period) + 1) * task.control_period
         latched_at = last_latch(state.joints)
-        end_times[lane] = min(end, latched_at + task.postlock_window if latched_at == latched_at else task.deadline)
+        end_times[lane] = min(end, latched_at + task.settling_window if latched_at == latched_at else task.deadline)
 
 
 @kernel
@@ -97,7 +97,7 @@ def end_periods(models, states, task, channels, prices, lanes, accounts, terms, 
         model, state = lane_view(models, lane), lane_view(states, lane)
         rewards[lane] = charge(model, state, task, prices, accounts[lane], terms[lane])
         observe(model, state, task, channels, observations[lane])
-        over = state.clock[0].time >= last_latch(state.joints) + task.postlock_window
+        over = state.clock[0].time >= last_latch(state.joints) + task.settling_window
         terminated[lane] = missed_deadline(state, task) or over
 
 

@@ -4,11 +4,10 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameters.checks import Rule, check_rows, number
 from solar_env.environment.task.control import missed_deadline
 from solar_env.environment.task.task import BOUNDED, PRESENT, Version
@@ -16,9 +15,10 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
+from solar_env.support.values import changed, unknown_name
 
 # Codes of `reading`.
-PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLATCH_SLIDING_WORK = range(5)
+PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_SLIDING_WORK = range(5)
 MOTOR_WORK, PRELATCH_PEAK = range(5, 7)
 # How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
 # the greatest magnitude, or the sum of the magnitudes of their changes.
@@ -67,18 +67,18 @@ class RewardTerm(NamedTuple):
     scale: float
 
 
-_PRELATCH, _POSTLATCH = "up to the first latching", "from the first latching"
+_PRELATCH, _POSTLOCK = "up to the first latching", "from the first latching"
 _WHOLE, _DEADLINE = "whole episode", "at the deadline"
 _MISSED = "1 and the mean distance to the lock, in lock angles, if a joint is open"
 _WORK = "sliding work, over all joints"
 REWARD_TERMS = (
-    RewardTerm("peak_impact", "peak force, over all joints", _POSTLATCH, "N", PEAK_IMPACT, LATEST, 500.0),
+    RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, 500.0),
     # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
     RewardTerm("wear", _WORK, _WHOLE, "J", SLIDING_WORK, LATEST, 0.1),
     # Graded: where nothing latches, a search still sees which way leads to the lock.
     RewardTerm("missed_deadline", _MISSED, _DEADLINE, "-", MISSED_DEADLINE, LATEST, 1.0),
     RewardTerm("attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, 0.01),
-    RewardTerm("postlock_wear", _WORK, _POSTLATCH, "J", POSTLATCH_SLIDING_WORK, LATEST, 0.05),
+    RewardTerm("postlock_wear", _WORK, _POSTLOCK, "J", POSTLOCK_SLIDING_WORK, LATEST, 0.05),
     RewardTerm("motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, 0.5),
     RewardTerm("prelatch_peak", "peak force, over all joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, 500.0),
 )
@@ -104,7 +104,7 @@ class Reward:
             terms can together.
     """
 
-    def __init__(self, changes: Mapping[str, Any] | None = None, version: Version = PRESENT) -> None:
+    def __init__(self, changes: Mapping[str, object] | None = None, version: Version = PRESENT) -> None:
         self.prices = {term.name: Price(term.scale, 0.0) for term in REWARD_TERMS}
         if not isinstance(changes or {}, Mapping):
             raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices")
@@ -161,7 +161,7 @@ def reading(code, model, state, task):
             total += joint.lock_peak_force if latched else joint.peak_force
         if code == SLIDING_WORK:
             total += work
-        if code == POSTLATCH_SLIDING_WORK and latched:
+        if code == POSTLOCK_SLIDING_WORK and latched:
             total += work - joint.lock_sliding_work
     return total
 

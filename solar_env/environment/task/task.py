@@ -4,15 +4,14 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array.names import unknown_name
 from solar_env.array.parameters.checks import Rule, check_rows, number
 from solar_env.environment.hardware import Hardware, response
-from solar_env.support.numbers import is_whole_number
+from solar_env.support.values import is_whole_number, unknown_name
 
 ACTIONS = ("torque", "rate")
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
@@ -32,9 +31,9 @@ class TaskNumbers(NamedTuple):
 
     control_period: float
     deadline: float
-    postlock_window: float
+    settling_window: float
     sample_period: float
-    motors: NDArray[Any]
+    motors: NDArray[np.void]
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ class Task:
         torque_limit: greatest motor torque [N m].
         control_period: time between two actions [s].
         deadline: time by which every joint must have latched [s].
-        postlock_window: time after the last latching during which the episode goes on [s].
+        settling_window: time after the last latching during which the episode goes on [s].
         driven_joint: index of the joint that the motor works on; 0 is the root hinge.
         action: "torque", in units of the torque limit, or "rate": the setpoint 5e-4 sinh(7 a) rad/s, from -0.27 to
             0.27, of the rate loop of the hinge drive, whose torque is `Hardware.rate_loop_gain` times the error of the
@@ -55,7 +54,7 @@ class Task:
     torque_limit: float = number(MISSING, _POSITIVE)
     control_period: float = number(MISSING, _POSITIVE)
     deadline: float = number(MISSING, _POSITIVE)
-    postlock_window: float = number(MISSING, _POSITIVE)
+    settling_window: float = number(MISSING, _POSITIVE)
     driven_joint: int = 0
     action: str = "torque"
 
@@ -63,7 +62,7 @@ class Task:
         if self.action not in ACTIONS:
             raise ValueError(unknown_name("the action", self.action, ACTIONS))
         check_rows(self)
-        for name in ("postlock_window", "deadline"):
+        for name in ("settling_window", "deadline"):
             value, period = getattr(self, name), self.control_period
             if value < period:
                 raise ValueError(f"{name} = {value!r} s is below control_period = {period!r} s")
@@ -88,15 +87,15 @@ class Task:
     def numbers(self, hardware: Hardware) -> TaskNumbers:
         """The task, with the drives that it is done with, as the kernels take it."""
         period = self.control_period / self.samples(hardware)
-        drive = (
+        motor = (
             self.torque_limit,
             response(hardware.motor_lag, period),
             hardware.torque_rate_limit * period,
             hardware.rate_loop_gain if self.action == "rate" else 0.0,
             response(hardware.rate_loop_lag, period),
         )
-        motors = np.array([(joint, *drive) for joint in self.driven_joints], dtype=motor_type)
-        deadline, window = float(self.deadline), float(self.postlock_window)
+        motors = np.array([(joint, *motor) for joint in self.driven_joints], dtype=motor_type)
+        deadline, window = float(self.deadline), float(self.settling_window)
         return TaskNumbers(float(self.control_period), deadline, window, period, motors)
 
 
@@ -111,12 +110,12 @@ class Version(NamedTuple):
 
     task: Task
     form: int
-    prices: Mapping[str, Any]
+    prices: Mapping[str, object]
 
 
 VERSIONS = {
     "v1": Version(
-        Task(torque_limit=0.5, control_period=0.1, deadline=20.0, postlock_window=10.0),
+        Task(torque_limit=0.5, control_period=0.1, deadline=20.0, settling_window=10.0),
         BOUNDED,
         {"peak_impact": 1.0, "wear": 1.0, "missed_deadline": {"weight": 25.0, "bound": 2.0}},
     ),

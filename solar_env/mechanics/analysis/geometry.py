@@ -1,16 +1,15 @@
 """Shapes of bodies from their coordinates, for drawing and for figures. Plain NumPy."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.equations.formulation import ModelArrays
 from solar_env.mechanics.integrators.formulations import FORMULATIONS
 
 Array = NDArray[np.float64]
 
 
-def centreline(model: Any, q: Array, body: int, points_per_element: int = 8) -> Array:
+def centreline(model: ModelArrays, q: Array, body: int, points_per_element: int = 8) -> Array:
     """Points along the axis of a body, from its first end to its last, as a polyline.
 
     Every element of a beam gives equally spaced points of its cubic polynomial; a modal panel counts as eight elements.

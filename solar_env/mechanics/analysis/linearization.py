@@ -14,7 +14,7 @@ from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.newton import assemble, linearize_forces
 from solar_env.mechanics.equations.system import Workspace, accelerations, add_mass_products, make_workspace
 from solar_env.mechanics.integrators.methods.generalized_alpha import Iteration, fill_residual, make_iteration
-from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.mechanism import Mechanism
 from solar_env.mechanics.numerics.profile import dense
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation

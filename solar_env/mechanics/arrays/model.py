@@ -67,7 +67,7 @@ cable_type = record(
     [
         ("joint_a", np.int64),
         ("joint_b", np.int64),
-        # Whether the wheels turn against a chord of their own, and not against the axis of the body between the joints:
+        # Whether the wheels turn against a chord, and not against the axis of the body between the joints:
         # 1 if that axis runs from joint a to joint b, -1 if back; else 0.
         ("chord_sense", np.int64),
         ("first", np.int64),  # markers at the ends of the chord
@@ -198,7 +198,7 @@ class Model(NamedTuple):
     constant_force: NDArray[np.float64]  # (n,) generalized force of weight and constant loads
     constraints: Constraints
     cable_elements: Elements
-    body_constants: NDArray[np.float64]  # (k,) constants of the bodies, whose rows say where their own begin
+    body_constants: NDArray[np.float64]  # (k,) constants of the bodies, whose rows say where theirs begin
     elimination: Elimination
     error_weight: NDArray[np.float64]  # (n,) of a coordinate in error norms: for slopes [m], else 1
     length_scale: float

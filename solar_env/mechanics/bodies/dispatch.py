@@ -1,4 +1,4 @@
-"""Mass, forces, energies and constraints of a body by its kind: every function here chooses the kind's own.
+"""Mass, forces, energies and constraints of a body by its kind: every function here chooses that of the kind.
 
 Fixed bodies, whatever their kind, have neither inertia nor accelerations.
 """
@@ -18,7 +18,7 @@ def _hold(body, a):
 
 @kernel
 def solve_body(body, constants, q, v, force, a, with_velocity):
-    """Write to `a` the accelerations of a body alone under a generalized `force`; returns its own multiplier.
+    """Write to `a` the accelerations of a body alone under a generalized `force`; returns its multiplier.
 
     With `with_velocity` zero, not one, what stems from velocities is left out, which makes the map linear.
     """
@@ -33,7 +33,7 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
 
 @kernel
 def solve_free(body, constants, force, a):
-    """Write to `a` the body's M^-1 force: its accelerations if its own constraint did not act."""
+    """Write to `a` the body's M^-1 force: its accelerations if its constraint did not act."""
     if body.fixed:
         _hold(body, a)
     elif body.kind == CABLE_ELEMENTS:
@@ -95,7 +95,7 @@ def add_internal_forces(model, q, v, force, element_table):
 
 @kernel
 def project_bodies(bodies, q, v):
-    """Return every body to its own constraint, and its velocity to the rate's, by the least change in its mass."""
+    """Return every body to its constraint, and its velocity to the rate's, by the least change in its mass."""
     for b in range(bodies.size):
         body = bodies[b]
         if body.constraints:

@@ -21,7 +21,7 @@ class BodyKind(ABC, Generic[Described]):
         description: class of its parameters.
         body_fields: members of a body's row that its kernels need beyond the common ones.
         deformable: whether it deforms.
-        constraints: number of constraints among its own coordinates, 0 or 1.
+        constraints: number of constraints among its coordinates, 0 or 1.
     """
 
     description: ClassVar[type[AnyBody]]

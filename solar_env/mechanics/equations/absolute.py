@@ -71,16 +71,16 @@ class AbsoluteCoordinates(Formulation):
         add_mass_products(model, state.v, momentum)
         motions = np.zeros((3, state.q.size))
         for row in model.bodies:
-            own = slice(row["offset"], row["offset"] + row["coordinates"])
-            motions[:, own] = KINDS[row["kind"]].rigid_motions(state.q[own])
+            of_body = slice(row["offset"], row["offset"] + row["coordinates"])
+            motions[:, of_body] = KINDS[row["kind"]].rigid_motions(state.q[of_body])
         return motions @ momentum
 
     def centreline(self, model: Model, q: Array, body: int, points_per_element: int) -> Array:
         """Ask the body's kind for its points."""
         row = model.bodies[body]
         first = int(row["offset"])
-        own = q[..., first : first + int(row["coordinates"])]
-        return KINDS[row["kind"]].centreline(row, own, points_per_element)
+        of_body = q[..., first : first + int(row["coordinates"])]
+        return KINDS[row["kind"]].centreline(row, of_body, points_per_element)
 
     def modal_range(self, model: Model, state: State) -> tuple[float, float]:
         """Return zeros: there are no modal panels."""

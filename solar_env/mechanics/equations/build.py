@@ -211,7 +211,7 @@ class _Compiler:
                 for unknown in group:
                     position[unknown] = place
                     place += 1
-                # The next node begins a block of its own.
+                # The next node begins another block.
                 place = -(-place // BLOCK) * BLOCK
         reach = [
             [

@@ -51,7 +51,7 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 
 @kernel
 def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
-    """Let the wheels' gradients count from the chord, fill its own, and take the Hessians there."""
+    """Let the wheels' gradients count from the chord, fill those of the chord, and take the Hessians there."""
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]
     places, index, gradient = tangent.b, tangent.cable_coordinates, tangent.cable_gradient

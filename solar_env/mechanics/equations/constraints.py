@@ -108,7 +108,7 @@ def drive_motion(model, drive, time, q, v):
 def build_schur(model, q, work):
     """Compliance of the linear constraints, factored; False if they are redundant.
 
-    A row's compliance at free lengths is constant; a body's own length takes a rank-one part from it.
+    A row's compliance at free lengths is constant; a body's length takes a rank-one part from it.
     """
     schur, free_schur, pull, row_bodies = work.schur, work.free_schur, work.pull, model.constraints.bodies
     m = schur.shape[0]
@@ -134,7 +134,7 @@ def build_schur(model, q, work):
 
 @kernel
 def add_columns(model, work, multipliers, x):
-    """Subtract the columns times `multipliers` from `x` (n,), for bodies without a constraint of their own."""
+    """Subtract the columns times `multipliers` from `x` (n,), for bodies without a length constraint."""
     bodies, columns = model.bodies, work.columns
     for r in range(columns.shape[0]):
         for side in range(2):

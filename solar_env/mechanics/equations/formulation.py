@@ -1,6 +1,7 @@
 """Interface of a formulation of the equations of motion: how a mechanism becomes arrays, and what these say of it."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -9,6 +10,8 @@ from numpy.typing import NDArray
 from solar_env.mechanics.mechanism.description import Mechanism
 
 Array = NDArray[np.float64]
+ModelArrays = Any  # a formulation's named tuple of constant arrays
+StateArrays = Any  # that of what changes in a run
 
 
 class JointView(NamedTuple):
@@ -23,7 +26,7 @@ class JointView(NamedTuple):
 
 
 class Formulation(ABC):
-    """A formulation, with named tuples of arrays of its own for models and for states.
+    """A formulation, with one named tuple of arrays for models and one for states.
 
     Runs, batches, recordings, environments and pictures know of these arrays what all formulations share: of a model
     `joints` and `length_scale`, of a state `q`, `v`, `integrals`, `joints`, `wear_journal`, `wear_bearing` and `clock`.
@@ -33,10 +36,10 @@ class Formulation(ABC):
         view_joint: kernel (model, state, joint index) -> `JointView`.
     """
 
-    view_joint: ClassVar[Any]
+    view_joint: ClassVar[Callable]
 
     @abstractmethod
-    def compile(self, mechanism: Mechanism) -> tuple[Any, Any]:
+    def compile(self, mechanism: Mechanism) -> tuple[ModelArrays, StateArrays]:
         """Model and initial state of a mechanism.
 
         Raises:
@@ -44,37 +47,37 @@ class Formulation(ABC):
         """
 
     @abstractmethod
-    def begin(self, model: Any, state: Any) -> None:
+    def begin(self, model: ModelArrays, state: StateArrays) -> None:
         """Fill what a state holds beside positions and velocities before a run."""
 
     @abstractmethod
-    def drift(self, model: Any, state: Any) -> tuple[float, float]:
+    def drift(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
         """Greatest violations of a constraint and of a constraint's rate, in m and m/s."""
 
     @abstractmethod
-    def joint_loads(self, model: Any, state: Any) -> Array:
+    def joint_loads(self, model: ModelArrays, state: StateArrays) -> Array:
         """(joints, LOAD_COLUMNS) table of angles, rates, forces and torques; columns are named in `arrays.columns`."""
 
     @abstractmethod
-    def stored_energies(self, model: Any, state: Any) -> Array:
+    def stored_energies(self, model: ModelArrays, state: StateArrays) -> Array:
         """(ENERGIES,) stored energies [J], in the order of `model.ENERGY_NAMES`."""
 
     @abstractmethod
-    def greatest_weight(self, model: Any) -> float:
+    def greatest_weight(self, model: ModelArrays) -> float:
         """Greatest magnitude of a constant force [N]."""
 
     @abstractmethod
-    def momenta(self, model: Any, state: Any) -> Array:
+    def momenta(self, model: ModelArrays, state: StateArrays) -> Array:
         """(3,) linear momentum [N s] and angular momentum about the origin [N m s] of the bodies that move."""
 
     @abstractmethod
-    def centreline(self, model: Any, q: Array, body: int, points_per_element: int) -> Array:
+    def centreline(self, model: ModelArrays, q: Array, body: int, points_per_element: int) -> Array:
         """Points along the axis of a body, see `analysis.geometry.centreline`."""
 
     @abstractmethod
-    def modal_range(self, model: Any, state: Any) -> tuple[float, float]:
+    def modal_range(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
         """Greatest slope of a modal panel's end so far [rad], and greatest spin over its lowest angular frequency."""
 
     @abstractmethod
-    def constraint_force_defect(self, model: Any, state: Any) -> tuple[float, float]:
+    def constraint_force_defect(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
         """Greatest difference of a constraint force from the one that holds its constraint, and greatest force [N]."""

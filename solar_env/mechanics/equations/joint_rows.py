@@ -73,7 +73,7 @@ def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: 
 def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:
     """Whether the axis of the body between a cable loop's joints runs from the first to the second (1) or back (-1).
 
-    0 where the wheels need no chord of their own: on a rigid body, against which they turn as against its chord, unless
+    0 where the wheels need no chord: on a rigid body, against which they turn as against its chord, unless
     the loop pulls on the bearings.
 
     Raises:

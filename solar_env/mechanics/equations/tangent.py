@@ -26,7 +26,7 @@ from solar_env.mechanics.numerics.profile import add_entry, clear
 
 
 class TangentScratch(NamedTuple):
-    """Arrays of `fill_tangents`; loads and impact speeds are the workspace's own."""
+    """Arrays of `fill_tangents`; loads and impact speeds are those of the workspace."""
 
     loads: NDArray[np.float64]
     impact_speeds: NDArray[np.float64]

@@ -136,7 +136,7 @@ def chord_force(cable, markers, q, moment, pull):
 def move_to_chord(cable, joints, markers, q, torque, pull, force):
     """Turn the torques on the slopes of a carrier's ends, as of the joints, into forces at the chord's ends.
 
-    The loop has a chord of its own, a torque [N m] on its outer joint, and a pull [N] on the wheels' centres.
+    The loop has a chord, a torque [N m] on its outer joint, and a pull [N] on the wheels' centres.
     """
     inner, outer = end_torques(cable, joints, torque)
     add_torque(markers[joints[cable.joint_a].outboard], q, -inner, force)

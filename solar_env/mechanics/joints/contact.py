@@ -1,12 +1,13 @@
 """Contact of a journal in its bearing, compiled: its motion, its normal force, and its friction."""
 
-import math
 from typing import NamedTuple
 
 from solar_env.mechanics.joints.laws import MATERIAL, PLACES, PowerLaw
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import square_roots, where_less
 
 _power_force = kernel(PowerLaw.force)
+_power_depth = kernel(PowerLaw.depth_and_slopes)
 _power_energy = kernel(PowerLaw.energy, inlined=False)
 _power_scales = kernel(PowerLaw.impact_scales, inlined=False)
 
@@ -40,15 +41,20 @@ class ContactMotion(NamedTuple):
 @kernel
 def sliding_share(joint, depth):
     """Sliding speed over the slip or, where the bodies' rotation is left out, over the centres' speed."""
-    return depth / (joint.clearance + depth) if joint.sliding == PLACES and depth > 0.0 else 1.0
+    if joint.sliding == PLACES:
+        return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
+    return 1.0 + 0.0 * depth
 
 
 @kernel
 def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
-    """Motion of a journal whose centre lies (ex, ey) [m] off its bearing's and moves at (ux, uy) [m/s]."""
-    radius = math.sqrt(ex * ex + ey * ey)
+    """Motion of a journal whose centre lies (ex, ey) [m] off its bearing's and moves at (ux, uy) [m/s].
+
+    It takes numbers, or vectors of several configurations.
+    """
+    radius = square_roots(ex * ex + ey * ey)
     # A centred journal has no line of centres, and no contact either.
-    size = radius if radius > 0.0 else 1.0
+    size = where_less(0.0, radius, radius, 1.0)
     nx, ny = ex / size, ey / size
     lever = joint.journal_radius + radius
     across = uy * nx - ux * ny
@@ -75,6 +81,15 @@ def normal_force(joint, depth, rate, impact_speed):
     if depth <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     return _power_force(joint.contact, depth, rate, impact_speed)
+
+
+@kernel
+def depth_under(joint, load, rate, impact_speed, give):
+    """Depth [m] at which a contact carries a positive `load` [N], and the force's slopes there by depth and rate.
+
+    All are zero where the contact is no stiffer than what gives way by `give` [m/N], or parts.
+    """
+    return _power_depth(joint.contact, load, rate, impact_speed, give)
 
 
 @kernel(inlined=False)

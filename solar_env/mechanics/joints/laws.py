@@ -1,7 +1,8 @@
-"""Laws of contact and friction as data, and the table of the contact laws. Plain Python: no compiler is needed.
+"""Laws of contact and friction as data, and the table of the contact laws. Plain Python: no compiler is needed here;
+`contact.py` compiles the static methods of `PowerLaw` for the kernels.
 
 To add a contact law, write a function from `Surfaces` and a coefficient of restitution to a `PowerLaw`, and a row of
-`CONTACT_LAWS`. The compiled forces are those of `contact.py`.
+`CONTACT_LAWS`.
 """
 
 import math
@@ -14,6 +15,7 @@ from solar_env.mechanics.numerics.checks import require, require_finite, require
 # of the places of contact, which travel round with this line: depth / (clearance + depth) of the centres' (Eq 35).
 SLIDING_READINGS = ("material", "centres", "places")
 MATERIAL, CENTRES, PLACES = range(3)
+_LEAST_BRACKET = 0.05  # of a contact that parts: below it the depth under a load says nothing
 LEAST_CLEARANCE, LARGEST_CLEARANCE = 5e-6, 1e-2  # m, of Pereira's fit
 
 
@@ -90,6 +92,26 @@ class PowerLaw:
         if bracket <= 0.0:
             return 0.0, elastic, 0.0, 0.0
         return elastic * bracket, elastic, exponent * stiffness * growth * bracket, elastic * damping / impact_speed
+
+    @staticmethod
+    def depth_and_slopes(
+        parameters: Sequence[float], load: float, rate: float, impact_speed: float, give: float
+    ) -> tuple[float, float, float]:
+        """Depth [m] under a load [N], with the slopes of the force there by depth [N/m] and by rate [N s/m].
+
+        All are zero where the slope by depth is below that of what gives way by `give` [m/N], or the contact parts.
+        """
+        stiffness, exponent, damping = parameters[0], parameters[1], parameters[2]
+        bracket = 1.0 + damping * rate / impact_speed
+        if bracket <= _LEAST_BRACKET:
+            return 0.0, 0.0, 0.0
+        soft = exponent * load * give  # depth at which the two slopes would be the same
+        growth = math.sqrt(soft) if exponent == 1.5 else soft ** (exponent - 1.0)
+        if stiffness * bracket * soft * growth <= load:
+            return 0.0, 0.0, 0.0
+        elastic = load / bracket
+        depth = (elastic / stiffness) ** (1.0 / exponent)
+        return depth, exponent * load / depth, elastic * damping / impact_speed
 
     @staticmethod
     def energy(parameters: Sequence[float], depth: float) -> float:

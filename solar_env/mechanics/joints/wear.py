@@ -20,7 +20,7 @@ def pressed_half_angle(depth, clearance):
 def add_wear(depths, angle, half_angle, depth_increment_times_arc, radius):
     """Spread a wear increment over the bins that the arc angle +- half_angle covers, each by its covered share.
 
-    Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's own frame. The increment is the worn
+    Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's frame. The increment is the worn
     cross-section area [m2], the radius that of the surface [m].
     """
     bins = depths.size

@@ -1,46 +1,61 @@
 """End of a step: its error over the tolerances, and the state moved to where it leads."""
 
+import math
+
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
-from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY, SECOND, START
-from solar_env.mechanics.modal.motion import distribute_loads, place_bodies, stage_frames
+from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY
+from solar_env.mechanics.modal.solve import move_stages
 from solar_env.mechanics.modal.tables import (
+    AT_START,
     AXIAL_EVEN,
-    AXIAL_ODD,
     BENDING_EVEN,
     BENDING_ODD,
+    DEFECTS,
     GROUPS,
-    WEIGHT_A,
-    WEIGHT_B,
+    LANES,
+    LAST,
+    RATE_AT_START,
+    STAGES,
     values_of,
 )
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_rows
+from solar_env.mechanics.numerics.linear import copy_into, copy_rows
+from solar_env.mechanics.numerics.vectors import load4, store4
 
 # A reaction at the end of one step tells less of the error of another that is shorter than this share of it than of its
-# own: of the fast vibrations that the longer step does not resolve.
+# panel: of the fast vibrations that the longer step does not resolve.
 _COMPARABLE = 0.01
 
 
 @kernel
-def rate_defect(panels, own, answers, held, d, h, group):
-    """Defect of the rate of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
-    defect = own.defect[group]
+def at_start(course):
+    """Value at the start of a step of a course given at its stages."""
+    total = 0.0
+    for k in range(STAGES):
+        total += AT_START[k] * course[k]
+    return total
+
+
+@kernel
+def vibration_defect(panels, panel, defects, held, d, h, kind, group):
+    """Defect of the motion of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
+    defect = panel.defect[kind, group]
     for j in range(values_of(group)):
-        defect += held[group, j] * (1.5 * own.load[0, group, j] - 0.5 * own.load[1, group, j])
+        defect += held[kind, group, j] * at_start(panel.load[group, j])
     if group >= AXIAL_EVEN:
         for r in range(panels.coupled[group]):
-            k = panels.first[group] + r
-            mode, first, second = panels.modes[d, k], own.coupling[0, group, r], own.coupling[1, group, r]
-            value, rate = 1.5 * first - 0.5 * second, 1.5 * (second - first) / h
-            shortened = answers[k].defect[0] * value + answers[k].defect[1] * rate
-            defect -= mode.row[0] * shortened / (mode.frequency * mode.frequency)
+            number, course, rate = panels.first[group] + r, panel.coupling[group, r], 0.0
+            for k in range(STAGES):
+                rate += RATE_AT_START[k] * course[k] / h
+            shortened = defects[kind, 0, number] * at_start(course) + defects[kind, 1, number] * rate
+            defect -= shortened / panels.square[d, number]
     return abs(defect)
 
 
 @kernel
 def deviation(state, work, k):
     """Load at the start of the step less that of the polynomial through its stages there, without sign."""
-    return abs(state.loads[k] - 1.5 * work.loads[k].stage[0] + 0.5 * work.loads[k].stage[1])
+    return abs(state.loads[k] - at_start(work.loads[k].stage))
 
 
 @kernel
@@ -49,7 +64,7 @@ def step_error(model, state, work, settings, tables, level, h):
 
     Of loads: their value at the start against that of the polynomial through the stages, and of reactions whose value
     there is that of a far longer step, how they change between the stages if that is less. Of vibrations that the step
-    does not resolve: the rate of the ends against the exact one.
+    does not resolve: the motion of the ends against the exact one.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -61,55 +76,78 @@ def step_error(model, state, work, settings, tables, level, h):
         if kind >= NORMAL_ROW and (settled or kind < REACTION_X_ROW):
             apart, stage = deviation(state, work, k), work.loads[k].stage
             if not comparable and kind >= REACTION_X_ROW:
-                apart = min(apart, abs(stage[1] - stage[0]))
+                apart = min(apart, abs(stage[LAST] - stage[0]))
             error = max(error, apart / work.loads[k].tolerance)
     limit = work.step[0].velocity_tolerance
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
-        if p != RIGID_BODY:
-            own, answers, held = work.panels[p], tables.answers[d, level], tables.responses[d, level].held
-            # At one end or the other, the even and the odd part add up.
-            across = rate_defect(model.panels, own, answers, held, d, h, BENDING_EVEN)
-            across += rate_defect(model.panels, own, answers, held, d, h, BENDING_ODD)
-            along = rate_defect(model.panels, own, answers, held, d, h, AXIAL_EVEN)
-            along += rate_defect(model.panels, own, answers, held, d, h, AXIAL_ODD)
-            error = max(error, max(across, along) / limit)
+        if p != RIGID_BODY and tables.responses[d, level].unresolved > 0:
+            panel, defects, held = work.panels[p], tables.defects[d, level], tables.responses[d, level].held
+            total = 0.0
+            for kind in range(DEFECTS):
+                # At one end or the other, the even and the odd part add up.
+                across = along = 0.0
+                for group in range(GROUPS):
+                    defect = vibration_defect(model.panels, panel, defects, held, d, h, kind, group)
+                    if group < AXIAL_EVEN:
+                        across += defect
+                    else:
+                        along += defect
+                total += max(across, along) ** 2
+            error = max(error, math.sqrt(total) / limit)
     return error
 
 
 @kernel
-def move_panel(panels, own, answers, d, q, v):
-    """Move the amplitudes of a panel over the step, and its ends; returns the mean power of its damping [W]."""
+def move_group(ends, shapes, forces, moments, q, v):
+    """Move the amplitudes of a group of modes over the step, by their start and the loads of the ends at the stages."""
+    by_value, by_rate, rate_by_value, rate_by_rate = ends[0], ends[1], ends[2 + STAGES], ends[3 + STAGES]
+    first, second, third = ends[2], ends[3], ends[4]
+    rate_first, rate_second, rate_third = ends[4 + STAGES], ends[5 + STAGES], ends[6 + STAGES]
+    whole = q.size - q.size % LANES
+    for k in range(0, whole, LANES):
+        value, rate = load4(q, k), load4(v, k)
+        one, other = load4(shapes[0], k), load4(shapes[1], k)
+        force1 = one * forces[0] + other * moments[0]
+        force2 = one * forces[1] + other * moments[1]
+        force3 = one * forces[2] + other * moments[2]
+        moved = load4(by_value, k) * value + load4(by_rate, k) * rate
+        moved = moved + load4(first, k) * force1 + load4(second, k) * force2 + load4(third, k) * force3
+        gained = load4(rate_by_value, k) * value + load4(rate_by_rate, k) * rate
+        gained = gained + load4(rate_first, k) * force1 + load4(rate_second, k) * force2 + load4(rate_third, k) * force3
+        store4(q, k, moved)
+        store4(v, k, gained)
+    for k in range(whole, q.size):
+        value, rate = q[k], v[k]
+        force1 = shapes[0, k] * forces[0] + shapes[1, k] * moments[0]
+        force2 = shapes[0, k] * forces[1] + shapes[1, k] * moments[1]
+        force3 = shapes[0, k] * forces[2] + shapes[1, k] * moments[2]
+        q[k] = by_value[k] * value + by_rate[k] * rate + first[k] * force1 + second[k] * force2 + third[k] * force3
+        moved = rate_by_value[k] * value + rate_by_rate[k] * rate
+        v[k] = moved + rate_first[k] * force1 + rate_second[k] * force2 + rate_third[k] * force3
+
+
+@kernel
+def move_panel(panels, panel, ends, d, q, v):
+    """Move the amplitudes of a panel over the step; returns the power of its damping at the end [W]."""
     total = 0.0
     for group in range(GROUPS):
-        begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
-        modes, responses, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
-        force1, moment1 = own.load[0, group, 0], own.load[0, group, 1]
-        force2, moment2 = own.load[1, group, 0], own.load[1, group, 1]
-        w = w_rate = s = s_rate = 0.0
+        begin, end = panels.first[group], panels.first[group + 1]
+        values, rates = q[begin:end], v[begin:end]
+        load, shapes = panel.load[group], panels.shapes[d, :, begin:end]
+        move_group(ends[:, begin:end], shapes, load[0], load[1], values, rates)
+        for r in range(panels.coupled[group]):
+            for s in range(STAGES):
+                force = panel.coupling[group, r, s]
+                values[r] += ends[2 + s, begin + r] * force
+                rates[r] += ends[4 + STAGES + s, begin + r] * force
         for k in range(values.size):
-            mode, answer = modes[k], responses[k].coefficient
-            across, turning = mode.row[0], mode.row[1]
-            first = across * force1 + turning * moment1
-            second = across * force2 + turning * moment2
-            if k < coupled:
-                first += own.coupling[0, group, k]
-                second += own.coupling[1, group, k]
-            value, rate = values[k], rates[k]
-            moved = answer[2] * value + answer[6] * rate + answer[10] * first + answer[14] * second
-            rate1 = answer[1] * value + answer[5] * rate + answer[9] * first + answer[13] * second
-            rate2 = answer[3] * value + answer[7] * rate + answer[11] * first + answer[15] * second
-            values[k], rates[k] = moved, rate2
-            w += across * moved
-            w_rate += across * rate2
-            s += turning * moved
-            s_rate += turning * rate2
-            if group >= AXIAL_EVEN and k < coupled:
-                rate1, rate2 = own.strain_rate[0, group, k], own.strain_rate[1, group, k]
-            mean_square = WEIGHT_A * rate1 * rate1 + WEIGHT_B * rate2 * rate2
-            total += mode.frequency * mode.frequency * mean_square
-        ends = own.ends[group]
-        ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
+            total += panels.square[d, begin + k] * rates[k] * rates[k]
+        if group >= AXIAL_EVEN:
+            # What strains is not the rate of the amplitude but that less foreshortening's.
+            for r in range(panels.coupled[group]):
+                square, strain_rate = panels.square[d, begin + r], panel.strain_rate[group, r]
+                total += square * (strain_rate * strain_rate - rates[r] * rates[r])
     return panels.damping[d] * total
 
 
@@ -123,7 +161,7 @@ def note_extremes(model, state, work, v):
         if body.panel != RIGID_BODY:
             # At one end or the other, the even and the odd part add up.
             ends = work.panels[body.panel].ends
-            slope = abs(ends[BENDING_EVEN, 1, 0]) + abs(ends[BENDING_ODD, 1, 0])
+            slope = abs(ends[BENDING_EVEN, 1, LAST]) + abs(ends[BENDING_ODD, 1, LAST])
             lowest = min(panels.modes[body.design, even].frequency, panels.modes[body.design, odd].frequency)
             extremes[0] = max(extremes[0], slope)
             extremes[1] = max(extremes[1], abs(v[body.offset + 2]) / lowest)
@@ -131,29 +169,33 @@ def note_extremes(model, state, work, v):
 
 @kernel(inlined=False)
 def commit_step(model, state, work, tables, level, h):
-    """Move the workspace's coordinates from the start to the end of the solved step, and fill the motion there."""
-    distribute_loads(model, state, work)
-    stage_frames(model, state, work, h)
-    power = 0.0
+    """Move the workspace's coordinates to the end of the solved step, and fill the motion under its loads."""
+    # The next step takes out what velocity it finds in ideal joints: it must be that of the coordinates.
+    move_stages(model, state, work, tables, level, h, work.step[0].constrained != 0, False)
     for b in range(model.bodies.size):
-        body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
+        body, panel, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            work.q[first + i], work.v[first + i] = own.place[SECOND, i], own.speed[SECOND, i]
+            work.q[first + i], work.v[first + i] = panel.place[i, LAST], panel.speed[i, LAST]
         if body.panel != RIGID_BODY:
-            answers, panel, begin = tables.answers[body.design, level], work.panels[body.panel], first + 3
-            end = begin + answers.size
+            panel, begin = work.panels[body.panel], first + 3
+            end = begin + model.panels.modes.shape[1]
             q, v = work.q[begin:end], work.v[begin:end]
-            power += move_panel(model.panels, panel, answers, body.design, q, v)
-    work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * power
-    place_bodies(model, work.q, work.v, work, START)
+            power = move_panel(model.panels, panel, tables.ends[body.design, level], body.design, q, v)
+            # Between the ends of a step its modes may vibrate several times: their damping takes what it does on
+            # average, of which the ends are samples.
+            mean = 0.5 * (state.damping_power[body.panel] + power)
+            work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * mean
+            work.damping_power[body.panel] = power
     note_extremes(model, state, work, work.v)
 
 
 @kernel
-def keep_loads(state, work, h):
-    """Keep the loads at the end of the step and the course they have taken."""
+def keep_loads(state, work):
+    """Keep the course of the loads over the step, and their values at its end."""
     for k in range(work.loads.size):
-        stage = work.loads[k].stage
-        state.loads[k], state.load_rates[k] = stage[1], 1.5 * (stage[1] - stage[0]) / h
+        copy_into(state.course[k], work.loads[k].stage)
+        state.loads[k] = work.loads[k].stage[LAST]
     for p in range(work.panels.size):
-        copy_rows(state.coupling[p], work.panels[p].coupling[1])
+        for group in range(GROUPS):
+            copy_rows(state.coupling[p, group], work.panels[p].coupling[group])
+    copy_into(state.damping_power, work.damping_power)

@@ -1,7 +1,8 @@
 """Arrays of a mechanism of rigid bodies and modal panels: constants, state, scratch. All quantities in SI units.
 
-Coordinates of a body are centre of mass, angle, then for a panel its amplitudes by group of modes. `slots` of the
-scratch arrays: the two stages of a step, its start, and any other configuration that is looked at.
+Coordinates of a body are centre of mass, angle, then for a panel its amplitudes by group of modes. Motion at the stages
+of a step is scratch, whose last axes of LANES are the stages; that at its start belongs to the state, which a step
+leaves with what it has found for its end.
 """
 
 from typing import NamedTuple
@@ -12,12 +13,18 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays.columns import LOAD_COLUMNS, SHARED_COLUMNS
 from solar_env.mechanics.arrays.model import ENERGIES, record
 from solar_env.mechanics.arrays.trial import joint_motion_type, trial_type
-from solar_env.mechanics.modal.tables import Panels, Tables, make_tables, panel_scratch
+from solar_env.mechanics.modal.tables import (
+    BY_LOAD,
+    LANES,
+    STAGES,
+    Panels,
+    Tables,
+    make_tables,
+    panel_scratch,
+)
 
 Array = NDArray[np.float64]
 
-FIRST, SECOND, START, OTHER = range(4)
-SLOTS = 4
 RIGID_BODY = -1
 
 body_type = record(
@@ -59,6 +66,17 @@ CABLE_COLUMNS = 4
 FACES = 4
 
 
+# Where an attachment is at the present state.
+placement_type = record(
+    [
+        ("local", np.float64, 2),  # from the centre of mass in the body's frame
+        ("arm", np.float64, 2),  # the same in inertial axes
+        ("arm_rate", np.float64, 2),
+        ("direction", np.float64, 2),  # angle of the body at the attachment, and its rate
+    ]
+)
+
+
 class ModalModel(NamedTuple):
     """Constant arrays of a mechanism of rigid bodies and modal panels."""
 
@@ -79,8 +97,13 @@ class ModalState(NamedTuple):
     q: Array  # (n,) coordinates
     v: Array  # (n,) velocities
     loads: Array  # (loads,) at the end of the last step
-    load_rates: Array  # (loads,) of the last step's collocation polynomial
-    coupling: Array  # (panels, GROUPS, LOW) modal forces of foreshortening at the end of the last step
+    course: Array  # (loads, STAGES) at the stages of the last step
+    coupling: Array  # (panels, GROUPS, LOW, LANES) modal forces of foreshortening at the stages of the last step
+    damping_power: Array  # (panels,) [W] that the modes' damping takes at the end of the last step
+    turns: Array  # (bodies, 2) cosine and sine of the angle
+    placements: NDArray[np.void]  # (attachments,) rows of `placement_type`
+    motion: Array  # (joints, MOTION_COLUMNS)
+    cable_motion: Array  # (cables, CABLE_COLUMNS)
     views: Array  # (joints, 6) rows of `JointView`
     extremes: Array  # (2,) greatest slope of a panel's end [rad] and spin over its lowest frequency, of all steps
     integrals: Array
@@ -90,42 +113,42 @@ class ModalState(NamedTuple):
     clock: NDArray[np.void]  # (1,)
 
 
-# Scratch by body, attachment, joint, cable loop and unknown. Axes of SLOTS and of the two stages come first.
+# Scratch by body, attachment, joint, cable loop and unknown.
 body_scratch = record(
     [
-        ("place", np.float64, (SLOTS, 3)),  # centre of mass and angle
-        ("speed", np.float64, (SLOTS, 3)),
-        ("turn", np.float64, (SLOTS, 2)),  # cosine and sine of the angle
-        ("load", np.float64, (2, 3)),  # force and moment about the centre of mass
+        ("place", np.float64, (3, LANES)),  # centre of mass and angle
+        ("speed", np.float64, (3, LANES)),
+        ("turn", np.float64, (2, LANES)),  # cosine and sine of the angle
+        ("load", np.float64, (3, LANES)),  # force and moment about the centre of mass
     ]
 )
 attachment_scratch = record(
     [
-        ("local", np.float64, (SLOTS, 2)),  # from the centre of mass in the body's frame
-        ("arm", np.float64, (SLOTS, 2)),  # the same in inertial axes
-        ("point", np.float64, (SLOTS, 2)),  # position
-        ("point_rate", np.float64, (SLOTS, 2)),
-        ("direction", np.float64, (SLOTS, 2)),  # angle of the body at the attachment, and its rate
+        ("local", np.float64, (2, LANES)),  # from the centre of mass in the body's frame
+        ("arm", np.float64, (2, LANES)),  # the same in inertial axes
+        ("point", np.float64, (2, LANES)),  # position
+        ("point_rate", np.float64, (2, LANES)),
+        ("direction", np.float64, (2, LANES)),  # angle of the body at the attachment, and its rate
     ]
 )
 joint_scratch = record(
     [
-        ("motion", np.float64, (SLOTS, MOTION_COLUMNS)),
+        ("motion", np.float64, (MOTION_COLUMNS, LANES)),
         ("angle_by_torque", np.float64),  # greatest change over a step [rad/(N m)]
-        ("tried", np.float64, (2, 2)),  # latest sliding speeds in the iteration, by stage: negative, positive
+        ("tried", np.float64, (2, LANES)),  # latest sliding speeds in the iteration: negative, positive
     ]
 )
-cable_scratch = record([("motion", np.float64, (SLOTS, CABLE_COLUMNS))])
+cable_scratch = record([("motion", np.float64, (CABLE_COLUMNS, LANES))])
 load_scratch = record(
     [
-        ("stage", np.float64, 2),
+        ("stage", np.float64, LANES),
         ("tolerance", np.float64),
-        # Of torques: by their laws, the slopes of these by the motion that a load works on, and whether it is an
-        # unknown or follows from iteration to iteration.
-        ("law", np.float64),
-        ("by_value", np.float64),
-        ("by_rate", np.float64),
-        ("unknown", np.int64),
+        # By its law, the slopes of this by the motion that a load works on; of friction that by the normal force.
+        ("law", np.float64, LANES),
+        ("by_value", np.float64, LANES),
+        ("by_rate", np.float64, LANES),
+        ("by_normal", np.float64, LANES),
+        ("unknown", np.int64),  # or it follows from iteration to iteration
     ]
 )
 unknown_scratch = record(
@@ -133,6 +156,8 @@ unknown_scratch = record(
         ("kind", np.int64),
         ("owner", np.int64),  # joint or cable loop
         ("number", np.int64),  # among the loads
+        ("first", np.int64),  # unknown of its block in Newton's matrix, and the one behind its last
+        ("end", np.int64),
         ("faces", np.int64),  # number of attachments
         # Outboard and inboard; of a cable loop those with the wheels, then both ends of the body between.
         ("attachment", np.int64, FACES),
@@ -141,14 +166,21 @@ unknown_scratch = record(
         # The loads that read off the motion it works on: the same, but for a loop that does not conserve energy.
         ("reading", np.float64, (FACES, 4)),
         # Motion by it of both ends of these bodies: along, across, turning; without the frame's.
-        ("motion", np.float64, (FACES, 2, 3, 8)),
+        ("motion", np.float64, (FACES, 2, 3, BY_LOAD)),
     ]
 )
 
-# Motion that an unknown works on by a unit of another: [4 load stage + 2 stage + (value or rate)].
-mobility_type = record([("response", np.float64, 8)])
+# Motion that an unknown works on by a unit of another, COLUMNS for the load at each stage.
+mobility_type = record([("response", np.float64, BY_LOAD)])
 
-step_scratch = record([("unknowns", np.int64), ("velocity_tolerance", np.float64)])  # number; [m/s]
+step_scratch = record(
+    [
+        ("unknowns", np.int64),  # number
+        ("constrained", np.int64),  # whether there are reactions among them
+        ("velocity_tolerance", np.float64),  # [m/s]
+        ("foreseen", np.float64, (STAGES, LANES)),  # weight of each load of the last step at each stage of this one
+    ]
+)
 
 
 class Workspace(NamedTuple):
@@ -166,16 +198,19 @@ class Workspace(NamedTuple):
     panels: NDArray[np.void]
     loads: NDArray[np.void]  # (3 J + C,)
     unknowns: NDArray[np.void]  # (R,)
-    rigid: Array  # (8,) motion of a unit mass by a unit load, as the columns of the mobility
+    rigid: Array  # (BY_LOAD,) motion of a unit mass by a unit load, as the columns of the mobility
     mobility: NDArray[np.void]  # (R, R) rows of `mobility_type`
-    matrix: Array  # (2 R, 2 R)
-    correction: Array  # (2 R,)
+    matrix: Array  # (STAGES R, R, LANES) by column: load at a stage, row
+    pivots: Array  # (STAGES R,) inverse
+    residual: Array  # (R, LANES)
+    correction: Array  # (R, LANES)
     step: NDArray[np.void]  # (1,)
     tables: Tables  # of an off-table step size
     # At the end of a step.
     q: Array
     v: Array
     integrals: Array
+    damping_power: Array
     # Of a sample.
     energies: Array
     sample: Array  # (J, LOAD_COLUMNS)
@@ -196,15 +231,18 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         panels=zeros(len(state.coupling), panel_scratch),
         loads=zeros(loads, load_scratch),
         unknowns=zeros(loads, unknown_scratch),
-        rigid=zeros(8),
+        rigid=zeros(BY_LOAD),
         mobility=zeros((loads, loads), mobility_type),
-        matrix=zeros((2 * loads, 2 * loads)),
-        correction=zeros(2 * loads),
+        matrix=zeros((STAGES * loads, loads, LANES)),
+        pivots=zeros(STAGES * loads),
+        residual=zeros((loads, LANES)),
+        correction=zeros((loads, LANES)),
         step=zeros(1, step_scratch),
         tables=make_tables(model.panels, 1),
         q=np.zeros_like(state.q),
         v=np.zeros_like(state.v),
         integrals=np.zeros_like(state.integrals),
+        damping_power=np.zeros_like(state.damping_power),
         energies=zeros(ENERGIES),
         sample=zeros((joints, LOAD_COLUMNS)),
         sample_load=zeros(loads),

@@ -21,7 +21,9 @@ from solar_env.mechanics.joints.torques import (
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,
-    OTHER,
+    LEVER,
+    NORMAL_X,
+    NORMAL_Y,
     RIGID_BODY,
     SLIDING_SPEED,
     SLIP,
@@ -30,7 +32,7 @@ from solar_env.mechanics.modal.arrays import (
 )
 from solar_env.mechanics.modal.ends import axial_form
 from solar_env.mechanics.modal.motion import force_of, look_at, outboard_load
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, WEIGHT_A, WEIGHT_B
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, LAST, NODES, POLYNOMIAL, STAGES, WEIGHTS
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import note_force
 
@@ -43,29 +45,31 @@ def add_integrals(model, state, work, h):
     """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages."""
     integrals = work.integrals
     for j in range(model.joints.size):
-        joint, own, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
-        for s in range(2):
-            weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
-            motion, force = work.joints[j].motion[s], force_of(model, j)
+        joint, joint_state, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
+        for s in range(STAGES):
+            weight = h * WEIGHTS[s]
+            motion, force = work.joints[j].motion, force_of(model, j)
+            rate, speed = motion[RATE, s], motion[SLIDING_SPEED, s]
             first_load, second_load = work.loads[force].stage[s], work.loads[force + 1].stage[s]
-            torques = hinge_torques(joint, own, motion[ANGLE], motion[RATE])
-            add_torque_powers(torques, motion[RATE], weight, j, integrals)
+            torques = hinge_torques(joint, joint_state, motion[ANGLE, s], rate)
+            add_torque_powers(torques, rate, weight, j, integrals)
             if joint.kind == m.IDEAL:
                 integrals[first + m.IMPULSE] += weight * math.sqrt(first_load * first_load + second_load * second_load)
-            elif own.in_contact:
+            elif joint_state.in_contact:
                 normal = max(first_load, 0.0)
-                _, elastic, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
-                integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * motion[DEPTH_RATE]
-                integrals[first + m.FRICTION_DISSIPATION] -= weight * second_load * motion[SLIP]
+                depth_rate, impact_speed = motion[DEPTH_RATE, s], joint_state.impact_speed
+                _, elastic, _, _ = normal_force(joint, motion[DEPTH, s], depth_rate, impact_speed)
+                integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * depth_rate
+                integrals[first + m.FRICTION_DISSIPATION] -= weight * second_load * motion[SLIP, s]
                 integrals[first + m.IMPULSE] += weight * normal
-                integrals[first + m.SLIDING_WORK] += weight * normal * abs(motion[SLIDING_SPEED])
+                integrals[first + m.SLIDING_WORK] += weight * normal * abs(speed)
     for c in range(model.cables.size):
         cable = model.cables[c]
-        for s in range(2):
-            weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
-            motion = work.cables[c].motion[s]
-            torque, _, _ = cable_torque(cable, motion[STRETCH])
-            add_cable_power(cable, torque, motion[WHEEL_RATE], weight, integrals)
+        for s in range(STAGES):
+            weight = h * WEIGHTS[s]
+            motion = work.cables[c].motion
+            torque, _, _ = cable_torque(cable, motion[STRETCH, s])
+            add_cable_power(cable, torque, motion[WHEEL_RATE, s], weight, integrals)
 
 
 @kernel
@@ -73,33 +77,39 @@ def note_peaks(model, state, work, h, share):
     """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
-        own, force = state.joints[j], force_of(model, j)
-        if own.in_contact:
-            start, first, second = state.loads[force], work.loads[force].stage[0], work.loads[force].stage[1]
-            peak = max(first, second)
-            if first > start and first > second:
-                curvature = 1.5 * (second - start - 3.0 * (first - start))
-                slope = second - start - curvature
-                peak = max(peak, start - 0.25 * slope * slope / curvature)
-            note_force(own, peak, postlock)
+        joint_state, force = state.joints[j], force_of(model, j)
+        if joint_state.in_contact:
+            start, stage = state.loads[force], work.loads[force].stage
+            peak, top = start, -1
+            for s in range(STAGES):
+                if stage[s] > peak:
+                    peak, top = stage[s], s
+            if 0 <= top < LAST:
+                before = stage[top - 1] if top > 0 else start
+                left = NODES[top] - (NODES[top - 1] if top > 0 else 0.0)
+                right = NODES[top + 1] - NODES[top]
+                fall, rise = (stage[top + 1] - peak) / right, (peak - before) / left
+                curvature, slope = (fall - rise) / (left + right), (rise * right + fall * left) / (left + right)
+                peak -= 0.25 * slope * slope / curvature
+            note_force(joint_state, peak, postlock)
 
 
 @kernel
 def panel_energies(model, body, q, v, work, energies):
     """Add the energies of a panel's amplitudes, kinetic and of strain, to which its scratch has been filled last."""
-    panels, d, first, own = model.panels, body.design, body.offset + 3, work.panels[body.panel]
+    panels, d, first, panel = model.panels, body.design, body.offset + 3, work.panels[body.panel]
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
             stretch, r = q[first + k], k - panels.first[group]
             if group >= AXIAL_EVEN and r < panels.coupled[group]:
-                stretch -= own.shortening[0, 0, axial_form(group, r)]
+                stretch -= panel.shortening[axial_form(group, r), 0]
             energies[m.ELASTIC] += 0.5 * (panels.modes[d, k].frequency * stretch) ** 2
             energies[m.KINETIC] += 0.5 * v[first + k] ** 2
 
 
 @kernel(inlined=False)
-def stored_energies(model, state, q, v, work, slot, energies):
-    """Fill the stored energies [J] of the configuration that was looked at last, at a slot."""
+def stored_energies(model, state, q, v, work, energies):
+    """Fill the stored energies [J] of the configuration that was looked at last."""
     energies[:] = 0.0
     for b in range(model.bodies.size):
         body = model.bodies[b]
@@ -111,12 +121,12 @@ def stored_energies(model, state, q, v, work, slot, energies):
         if body.panel != RIGID_BODY:
             panel_energies(model, body, q, v, work, energies)
     for j in range(model.joints.size):
-        joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion[slot]
-        add_torque_energies(joint, own, motion[ANGLE], energies)
+        joint, joint_state, motion = model.joints[j], state.joints[j], work.joints[j].motion
+        add_torque_energies(joint, joint_state, motion[ANGLE, 0], energies)
         if joint.kind == m.CLEARANCE:
-            energies[m.CONTACT] += contact_energy(joint, motion[DEPTH])
+            energies[m.CONTACT] += contact_energy(joint, motion[DEPTH, 0])
     for c in range(model.cables.size):
-        _, _, energy = cable_torque(model.cables[c], work.cables[c].motion[slot, STRETCH])
+        _, _, energy = cable_torque(model.cables[c], work.cables[c].motion[STRETCH, 0])
         energies[m.CABLE] += energy
 
 
@@ -130,24 +140,37 @@ def cubic(share, x0, r0, x1, r1):
 
 
 @kernel(inlined=False)
-def fill_load_table(model, state, work, slot, loads, table):
-    """Fill the (joints, LOAD_COLUMNS) table of loads from motion at a slot and `loads`, ordered as those of a state."""
+def fill_load_table(model, state, work, loads, table):
+    """Fill the (joints, LOAD_COLUMNS) table from the motion looked at last and `loads`, ordered as those of a state."""
     for j in range(model.joints.size):
-        joint, own, motion, row = model.joints[j], state.joints[j], work.joints[j].motion[slot], table[j]
+        joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]
         for column in range(columns.SHARED_COLUMNS):
-            row[column] = motion[column]
-        fx, fy, _, _ = outboard_load(joint, motion, first, second, 0.0)
+            row[column] = motion[column, 0]
+        nx, ny, lever = motion[NORMAL_X, 0], motion[NORMAL_Y, 0], motion[LEVER, 0]
+        fx, fy, _, _ = outboard_load(joint, nx, ny, lever, first, second, 0.0)
         row[columns.FORCE_X], row[columns.FORCE_Y] = fx, fy
         row[columns.NORMAL], row[columns.TANGENTIAL] = first, second
         if joint.kind == m.IDEAL:
             row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y] = 0.0, 0.0
             row[columns.NORMAL], row[columns.TANGENTIAL] = math.sqrt(fx * fx + fy * fy), 0.0
-        enter_torques(hinge_torques(joint, own, motion[ANGLE], motion[RATE]), j, table)
+        enter_torques(hinge_torques(joint, joint_state, motion[ANGLE, 0], motion[RATE, 0]), j, table)
     for c in range(model.cables.size):
         cable = model.cables[c]
-        torque, _, _ = cable_torque(cable, work.cables[c].motion[slot, STRETCH])
+        torque, _, _ = cable_torque(cable, work.cables[c].motion[STRETCH, 0])
         enter_cable(cable, torque, table)
+
+
+@kernel
+def course_at(stage, share):
+    """Value at a share of the step of the polynomial through values at its stages."""
+    total = 0.0
+    for k in range(STAGES):
+        value = 0.0
+        for down in range(STAGES):
+            value = value * share + POLYNOMIAL[k][LAST - down]
+        total += value * stage[k]
+    return total
 
 
 @kernel
@@ -168,19 +191,18 @@ def sample_modal(model, state, settings, work, recorder, h, share):
             for i in range(model.bodies[b].offset, model.bodies[b].offset + 3):
                 rise, v0, v1 = (work.q[i] - state.q[i]) / h, state.v[i], work.v[i]
                 row[n + i] = rest * (6.0 * share * rise + (1.0 - 3.0 * share) * v0) + share * (3.0 * share - 2.0) * v1
-    look_at(model, row[:n], row[n : 2 * n], work, OTHER)
+    look_at(model, row[:n], row[n : 2 * n], work)
     for k in range(work.loads.size):
-        first, second = work.loads[k].stage[0], work.loads[k].stage[1]
-        work.sample_load[k] = second + 1.5 * (share - 1.0) * (second - first)
+        work.sample_load[k] = course_at(work.loads[k].stage, share)
     for j in range(model.joints.size):
-        joint, motion, k = model.joints[j], work.joints[j].motion[OTHER], force_of(model, j)
+        joint, motion, k = model.joints[j], work.joints[j].motion, force_of(model, j)
         if joint.kind == m.CLEARANCE:
             # A polynomial knows neither the moment at which the surfaces part nor the one at which sliding turns round.
-            normal = max(work.sample_load[k], 0.0) if motion[DEPTH] > 0.0 else 0.0
-            slip, _ = friction_share(joint, motion[SLIDING_SPEED])
+            normal = max(work.sample_load[k], 0.0) if motion[DEPTH, 0] > 0.0 else 0.0
+            slip, _ = friction_share(joint, motion[SLIDING_SPEED, 0])
             work.sample_load[k], work.sample_load[k + 1] = normal, -joint.friction_coefficient * slip * normal
-    fill_load_table(model, state, work, OTHER, work.sample_load, work.sample)
-    stored_energies(model, state, row[:n], row[n : 2 * n], work, OTHER, work.energies)
+    fill_load_table(model, state, work, work.sample_load, work.sample)
+    stored_energies(model, state, row[:n], row[n : 2 * n], work, work.energies)
     k = 2 * n
     for j in range(model.joints.size):
         for c in range(columns.LOAD_COLUMNS):

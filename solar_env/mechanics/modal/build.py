@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.bodies.beam_modes import axial_modes, bending_modes
 from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel
 from solar_env.mechanics.equations.build import compile_mechanism
@@ -15,12 +16,15 @@ from solar_env.mechanics.equations.formulation import JointView
 from solar_env.mechanics.equations.joint_rows import chord_sense
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import (
+    CABLE_COLUMNS,
     JOINT_LOADS,
+    MOTION_COLUMNS,
     RIGID_BODY,
     ModalModel,
     ModalState,
     attachment_type,
     body_type,
+    placement_type,
 )
 from solar_env.mechanics.modal.foreshortening import AXIAL_MODES, BENDING_MODES, quadratic_forms
 from solar_env.mechanics.modal.tables import (
@@ -28,9 +32,12 @@ from solar_env.mechanics.modal.tables import (
     EVEN_FIRST,
     FORMS,
     GROUPS,
+    LANES,
     LOW,
     ODD_ENDS,
     ODD_FIRST,
+    RESOLVED,
+    STAGES,
     VALUES,
     Panels,
     Tables,
@@ -40,6 +47,9 @@ from solar_env.mechanics.modal.tables import (
 
 # Of pseudo-modes that stand for the modes that are left out, see `beam_modes`.
 _BLOCKS = 2
+# Frequency times step up to which damped modes are exact. The reactions of ideal joints follow modes at once, and grow
+# unstable where these pass at arbitrary phases.
+_EXACT, _EXACT_BESIDE_REACTIONS = 16.0, 4.0
 
 _Design = tuple[float, float, float, float, float, int]
 
@@ -95,17 +105,26 @@ def _panel_constants(chosen: _Design) -> Panels:
         # The lowest bending mode is even, the lowest axial mode odd.
         coupled=np.array([*_halves(coupled), *reversed(_halves(coupled_axial))]),
         damping=np.array([damping]),
+        exact=RESOLVED,
         modes=constants,
         forms=_packed_forms(*quadratic_forms(length, mass, coupled, coupled_axial), coupled)[None],
+        shapes=np.ascontiguousarray(np.moveaxis(constants["row"], -1, 1)),
+        square=constants["frequency"] ** 2,
     )
 
 
 @lru_cache(maxsize=16)
-def compile_panels(designs: tuple[_Design, ...]) -> tuple[Panels, Tables]:
-    """Constants and tables of panels of some designs; they are read only and shared by all simulations."""
+def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, Tables]:
+    """Constants and tables of panels of some designs; they are read only and shared by all simulations.
+
+    A damped mode is exact up to a frequency times step of `exact`.
+    """
     parts = [_panel_constants(chosen) for chosen in designs]
-    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("damping", "modes", "forms")}
-    panels = parts[0]._replace(**joined)
+    joined = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in ("damping", "modes", "forms", "shapes", "square")
+    }
+    panels = parts[0]._replace(exact=exact, **joined)
     return panels, filled_tables(panels)
 
 
@@ -156,7 +175,8 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         )
     designs = tuple(dict.fromkeys(design(panel) for panel in flexible))
     # Arrays need a design even where no body has one.
-    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),))
+    exact = _EXACT_BESIDE_REACTIONS if (rigid.joints["kind"] == IDEAL).any() else _EXACT
+    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),), exact)
     bodies, q, v = _bodies(described, designs, panels.frequency.shape[1])
     joints, loads = len(mechanism.joints), JOINT_LOADS * len(mechanism.joints) + len(mechanism.cables)
     rigid.cables["chord_sense"] = [chord_sense(mechanism, cable) for cable in mechanism.cables]
@@ -176,8 +196,13 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         q=q,
         v=v,
         loads=np.zeros(loads),
-        load_rates=np.zeros(loads),
-        coupling=np.zeros((len(flexible), GROUPS, LOW)),
+        course=np.zeros((loads, STAGES)),
+        coupling=np.zeros((len(flexible), GROUPS, LOW, LANES)),
+        damping_power=np.zeros(len(flexible)),
+        turns=np.zeros((len(bodies), 2)),
+        placements=np.zeros(2 * joints, placement_type),
+        motion=np.zeros((joints, MOTION_COLUMNS)),
+        cable_motion=np.zeros((len(mechanism.cables), CABLE_COLUMNS)),
         views=np.zeros((joints, len(JointView._fields))),
         extremes=np.zeros(2),
         **{name: getattr(rigid_state, name) for name in shared},

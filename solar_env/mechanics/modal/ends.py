@@ -1,132 +1,155 @@
 """Motion of the ends of a panel by groups of modes: over a step, free and under the loads at its stages; in a pose.
 
 With it goes foreshortening, whose forms and their source are in `foreshortening`: what bending does to a panel's axis,
-and tension to its bending, at both stages.
+and tension to its bending. The stages of a step are lanes of vectors; in a pose all lanes are alike.
 """
 
 from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
+    COLUMNS,
+    DEFECTS,
+    END_RATE,
     EVEN_ENDS,
     EVEN_FIRST,
     FORMS,
-    FROM_LOAD,
-    FROM_RATE,
     GROUPS,
+    LANES,
     LOW,
     ODD_ENDS,
     ODD_FIRST,
+    STAGES,
     VALUES,
     values_of,
 )
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import (
+    joined,
+    lane,
+    load4,
+    load8,
+    lower_half,
+    splat4,
+    splat8,
+    store4,
+    store8,
+    upper_half,
+)
 
 
 @kernel
-def free_ends(panels, panel, answers, d, q, v):
+def weighed(weights, values, rates):
+    """Sum of values and rates with the (2, modes) `weights` of either."""
+    sums, whole = splat4(0.0), values.size - values.size % LANES
+    for k in range(0, whole, LANES):
+        sums = sums + load4(weights[0], k) * load4(values, k) + load4(weights[1], k) * load4(rates, k)
+    total = lane(sums, 0) + lane(sums, 1) + lane(sums, 2) + lane(sums, 3)
+    for k in range(whole, values.size):
+        total += weights[0, k] * values[k] + weights[1, k] * rates[k]
+    return total
+
+
+@kernel
+def free_ends(panels, panel, tables, d, level, q, v):
     """Free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
+    unresolved = tables.responses[d, level].unresolved > 0
     for group in range(GROUPS):
-        begin, end, coupled = panels.first[group], panels.first[group + 1], panels.coupled[group]
+        begin, end = panels.first[group], panels.first[group + 1]
         # Of slices: indices that cannot be negative are spared a test.
-        modes, own, values, rates = panels.modes[d, begin:end], answers[begin:end], q[begin:end], v[begin:end]
-        w0 = w1 = w2 = w3 = s0 = s1 = s2 = s3 = defect = 0.0
+        moves, values, rates = tables.free[d, level, begin:end], q[begin:end], v[begin:end]
+        one, other = panels.shapes[d, 0, begin:end], panels.shapes[d, 1, begin:end]
+        first, second = splat8(0.0), splat8(0.0)
         for k in range(values.size):
-            a, b, answer = values[k], rates[k], own[k].coefficient
-            y0 = answer[0] * a + answer[FROM_RATE] * b
-            y1 = answer[1] * a + answer[FROM_RATE + 1] * b
-            y2 = answer[2] * a + answer[FROM_RATE + 2] * b
-            y3 = answer[3] * a + answer[FROM_RATE + 3] * b
-            if k < coupled:
-                low = panel.low_free[group, k]
-                low[0], low[1], low[2], low[3] = y0, y1, y2, y3
-            first, second = modes[k].row[0], modes[k].row[1]
-            w0 += first * y0
-            w1 += first * y1
-            w2 += first * y2
-            w3 += first * y3
-            s0 += second * y0
-            s1 += second * y1
-            s2 += second * y2
-            s3 += second * y3
-            defect += first * (own[k].defect[0] * a + own[k].defect[1] * b)
-        free = panel.free[group]
-        free[0, 0], free[0, 1], free[0, 2], free[0, 3] = w0, w1, w2, w3
-        free[1, 0], free[1, 1], free[1, 2], free[1, 3] = s0, s1, s2, s3
-        panel.defect[group] = defect
+            moved = load8(moves[k], 0) * values[k] + load8(moves[k], COLUMNS) * rates[k]
+            first = first + one[k] * moved
+            second = second + other[k] * moved
+        store8(panel.free[group, 0], 0, first)
+        store8(panel.free[group, 1], 0, second)
+        for r in range(panels.coupled[group]):
+            moved = load8(moves[r], 0) * values[r] + load8(moves[r], COLUMNS) * rates[r]
+            store8(panel.low_free[group, r], 0, moved)
+        if unresolved:
+            for kind in range(DEFECTS):
+                panel.defect[kind, group] = weighed(tables.defects[d, level, kind, :, begin:end], values, rates)
 
 
 @kernel
 def forced_ends(panel, response, groups):
-    """Motion of the ends of a panel at both stages in the first `groups` groups, free and by the loads there."""
+    """Motion of the ends of a panel at the stages in the first `groups` groups, free and by the loads there."""
     for group in range(groups):
         for i in range(values_of(group)):
-            for c in range(4):
-                total = panel.free[group, i, c]
-                for j in range(values_of(group)):
-                    total += response[group, i, j, c] * panel.load[0, group, j]
-                    total += response[group, i, j, 4 + c] * panel.load[1, group, j]
-                panel.ends[group, i, c] = total
+            total = load8(panel.free[group, i], 0)
+            for j in range(values_of(group)):
+                for k in range(STAGES):
+                    total = total + load8(response[group, i, j], COLUMNS * k) * panel.load[group, j, k]
+            store8(panel.ends[group, i], 0, total)
 
 
 @kernel
-def add_modal_forces(panels, panel, answers, d):
+def add_modal_forces(panels, panel, forced, d):
     """Add what the modal forces of foreshortening do to the ends of a panel."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
-            k = panels.first[group] + r
-            first, second = panel.coupling[0, group, r], panel.coupling[1, group, r]
-            mode, answer = panels.modes[d, k], answers[k].coefficient
-            for c in range(4):
-                gain = answer[FROM_LOAD + c] * first + answer[FROM_LOAD + 4 + c] * second
-                for i in range(values_of(group)):
-                    panel.ends[group, i, c] += mode.row[i] * gain
+            mode, by_load, gain = panels.modes[d, panels.first[group] + r], forced[group, r], splat8(0.0)
+            for k in range(STAGES):
+                gain = gain + load8(by_load, COLUMNS * k) * panel.coupling[group, r, k]
+            for i in range(values_of(group)):
+                store8(panel.ends[group, i], 0, load8(panel.ends[group, i], 0) + mode.row[i] * gain)
 
 
 @kernel
-def foreshorten(forms, low, column, gradient, shortening):
-    """Fill the quadratic forms' values and rates, and their gradients, from a `column` of `low` and the next one."""
-    value0 = value1 = value2 = value3 = value4 = 0.0
-    rate0 = rate1 = rate2 = rate3 = rate4 = 0.0
+def foreshorten(forms, panel):
+    """Fill the values, rates and gradients of the quadratic forms from the motion of the coupled coordinates."""
+    value0 = value1 = value2 = value3 = value4 = splat4(0.0)
+    rate0 = rate1 = rate2 = rate3 = rate4 = splat4(0.0)
     for group in range(2):
         for r in range(LOW):
-            g0 = g1 = g2 = g3 = g4 = 0.0
+            g0 = g1 = g2 = g3 = g4 = splat4(0.0)
             for c in range(LOW):
-                own, other = low[group, c, column], low[1 - group, c, column]
-                g0 += forms[group, r, c, 0] * own
-                g1 += forms[group, r, c, 1] * own
-                g2 += forms[group, r, c, 2] * own
-                g3 += forms[group, r, c, 3] * other
-                g4 += forms[group, r, c, 4] * other
-            half, speed = 0.5 * low[group, r, column], low[group, r, column + 1]
-            value0 += g0 * half
-            value1 += g1 * half
-            value2 += g2 * half
-            value3 += g3 * half
-            value4 += g4 * half
-            rate0 += g0 * speed
-            rate1 += g1 * speed
-            rate2 += g2 * speed
-            rate3 += g3 * speed
-            rate4 += g4 * speed
-            row = gradient[group, r]
-            row[0], row[1], row[2], row[3], row[4] = g0, g1, g2, g3, g4
-    for c, value in enumerate((value0, value1, value2, value3, value4)):
-        shortening[0, c] = value
-    for c, rate in enumerate((rate0, rate1, rate2, rate3, rate4)):
-        shortening[1, c] = rate
+                form = forms[group, r, c]
+                same, partner = load4(panel.low[group, c], 0), load4(panel.low[1 - group, c], 0)
+                g0 = g0 + form[0] * same
+                g1 = g1 + form[1] * same
+                g2 = g2 + form[2] * same
+                g3 = g3 + form[3] * partner
+                g4 = g4 + form[4] * partner
+            moved = load8(panel.low[group, r], 0)
+            half, speed = 0.5 * lower_half(moved), upper_half(moved)
+            value0, rate0 = value0 + g0 * half, rate0 + g0 * speed
+            value1, rate1 = value1 + g1 * half, rate1 + g1 * speed
+            value2, rate2 = value2 + g2 * half, rate2 + g2 * speed
+            value3, rate3 = value3 + g3 * half, rate3 + g3 * speed
+            value4, rate4 = value4 + g4 * half, rate4 + g4 * speed
+            gradient = panel.gradient[group, r]
+            store4(gradient[0], 0, g0)
+            store4(gradient[1], 0, g1)
+            store4(gradient[2], 0, g2)
+            store4(gradient[3], 0, g3)
+            store4(gradient[4], 0, g4)
+    store8(panel.shortening[0], 0, joined(value0, rate0))
+    store8(panel.shortening[1], 0, joined(value1, rate1))
+    store8(panel.shortening[2], 0, joined(value2, rate2))
+    store8(panel.shortening[3], 0, joined(value3, rate3))
+    store8(panel.shortening[4], 0, joined(value4, rate4))
 
 
 @kernel
-def shorten_ends(panel, s):
-    """Add foreshortening to the axial motion of the ends of a panel at stage `s`."""
-    for c in range(2):
-        panel.ends[AXIAL_ODD, 0, 2 * s + c] += panel.shortening[s, c, ODD_ENDS]
-        panel.ends[AXIAL_EVEN, 0, 2 * s + c] += panel.shortening[s, c, EVEN_ENDS]
+def shorten_ends(panel):
+    """Add foreshortening to the axial motion of the ends of a panel."""
+    odd, even = panel.ends[AXIAL_ODD, 0], panel.ends[AXIAL_EVEN, 0]
+    store8(odd, 0, load8(odd, 0) + load8(panel.shortening[ODD_ENDS], 0))
+    store8(even, 0, load8(even, 0) + load8(panel.shortening[EVEN_ENDS], 0))
+
+
+@kernel
+def in_all_lanes(value, rate):
+    """Vector of a value and a rate that are the same at all stages."""
+    return joined(splat4(value), splat4(rate))
 
 
 @kernel
 def sum_ends(panels, panel, d, q, v):
-    """Motion of the ends of a panel in a pose, as of the first stage, without foreshortening."""
+    """Motion of the ends of a panel in a pose, without foreshortening."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         modes, values, rates = panels.modes[d, begin:end], q[begin:end], v[begin:end]
@@ -137,51 +160,55 @@ def sum_ends(panels, panel, d, q, v):
             w_rate += first * rates[k]
             s += second * values[k]
             s_rate += second * rates[k]
-        ends = panel.ends[group]
-        ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
+        store8(panel.ends[group, 0], 0, in_all_lanes(w, w_rate))
+        store8(panel.ends[group, 1], 0, in_all_lanes(s, s_rate))
+
+
+@kernel
+def take_rest(panel, mode, group, coupled, moved):
+    """Take the motion of a coupled mode out of the rest of the end values."""
+    for i in range(VALUES):
+        rest = panel.low[group, coupled + i]
+        store8(rest, 0, load8(rest, 0) - mode.row[i] * moved)
 
 
 @kernel
 def shorten_pose(panels, panel, d, q, v):
-    """Add foreshortening to the motion of the ends of a panel in a pose, as of the first stage."""
+    """Add foreshortening to the motion of the ends of a panel in a pose."""
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):
-            for c in range(2):
-                panel.low[group, coupled + i, c] = panel.ends[group, i, c]
+            store8(panel.low[group, coupled + i], 0, load8(panel.ends[group, i], 0))
         for r in range(coupled):
             k = panels.first[group] + r
-            panel.low[group, r, 0], panel.low[group, r, 1] = q[k], v[k]
-            for i in range(VALUES):
-                panel.low[group, coupled + i, 0] -= panels.modes[d, k].row[i] * q[k]
-                panel.low[group, coupled + i, 1] -= panels.modes[d, k].row[i] * v[k]
-    foreshorten(panels.forms[d], panel.low, 0, panel.gradient[0], panel.shortening[0])
-    shorten_ends(panel, 0)
+            moved = in_all_lanes(q[k], v[k])
+            store8(panel.low[group, r], 0, moved)
+            take_rest(panel, panels.modes[d, k], group, coupled, moved)
+    foreshorten(panels.forms[d], panel)
+    shorten_ends(panel)
 
 
 @kernel
-def move_low(panels, panel, answers, d, group):
-    """Motion of the coupled coordinates of a group at both stages under the loads and the present modal forces."""
-    coupled = panels.coupled[group]
-    if group < AXIAL_EVEN:
+def move_low(panels, panel, forced, d, group):
+    """Motion of the coupled coordinates of a group at the stages under the loads and the present modal forces."""
+    coupled, bending = panels.coupled[group], group < AXIAL_EVEN
+    if bending:
         for i in range(VALUES):
-            for c in range(4):
-                panel.low[group, coupled + i, c] = panel.ends[group, i, c]
+            store8(panel.low[group, coupled + i], 0, load8(panel.ends[group, i], 0))
     for r in range(coupled):
-        k = panels.first[group] + r
-        mode, answer, first, second = panels.modes[d, k], answers[k].coefficient, 0.0, 0.0
-        for i in range(values_of(group)):
-            first += mode.row[i] * panel.load[0, group, i]
-            second += mode.row[i] * panel.load[1, group, i]
-        for c in range(4):
-            by_first, by_second = answer[FROM_LOAD + c], answer[FROM_LOAD + 4 + c]
-            moved = panel.low_free[group, r, c] + by_first * first + by_second * second
-            if group < AXIAL_EVEN:
-                # The ends have moved by the loads, not yet by the modal forces.
-                for i in range(VALUES):
-                    panel.low[group, coupled + i, c] -= mode.row[i] * moved
-            moved += by_first * panel.coupling[0, group, r] + by_second * panel.coupling[1, group, r]
-            panel.low[group, r, c] = moved
+        mode = panels.modes[d, panels.first[group] + r]
+        moved, pushed = load8(panel.low_free[group, r], 0), splat8(0.0)
+        for k in range(STAGES):
+            gain = load8(forced[group, r], COLUMNS * k)
+            force = mode.row[0] * panel.load[group, 0, k]
+            if bending:
+                force += mode.row[1] * panel.load[group, 1, k]
+            moved = moved + gain * force
+            pushed = pushed + gain * panel.coupling[group, r, k]
+        if bending:
+            # The ends have moved by the loads, not yet by the modal forces.
+            take_rest(panel, mode, group, coupled, moved)
+        store8(panel.low[group, r], 0, moved + pushed)
 
 
 @kernel
@@ -191,56 +218,64 @@ def axial_form(group, r):
 
 
 @kernel
-def push_axial(panels, panel, d, s):
-    """Modal forces of foreshortening on the axial modes of a panel at stage `s`."""
+def push_axial(panels, panel, d):
+    """Modal forces of foreshortening on the axial modes of a panel."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
-            frequency, f = panels.modes[d, panels.first[group] + r].frequency, axial_form(group, r)
-            strain = panel.shortening[s, 0, f] + panels.damping[d] * panel.shortening[s, 1, f]
-            panel.coupling[s, group, r] = frequency * frequency * strain
+            frequency = panels.modes[d, panels.first[group] + r].frequency
+            shortening = load8(panel.shortening[axial_form(group, r)], 0)
+            strain = lower_half(shortening) + panels.damping[d] * upper_half(shortening)
+            store4(panel.coupling[group, r], 0, frequency * frequency * strain)
 
 
 @kernel
-def push_bending(panels, panel, d, s):
-    """Forces of the tension on the bending coordinates of a panel at stage `s`."""
+def push_bending(panels, panel, d):
+    """Forces of the tension on the bending coordinates of a panel."""
     for f in range(FORMS):
-        panel.tension[f] = 0.0
-    panel.tension[EVEN_ENDS] = panel.load[s, AXIAL_EVEN, 0]
-    panel.tension[ODD_ENDS] = panel.load[s, AXIAL_ODD, 0]
+        store4(panel.tension[f], 0, splat4(0.0))
+    store4(panel.tension[EVEN_ENDS], 0, load4(panel.load[AXIAL_EVEN, 0], 0))
+    store4(panel.tension[ODD_ENDS], 0, load4(panel.load[AXIAL_ODD, 0], 0))
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency, f = panels.modes[d, panels.first[group] + r].frequency, axial_form(group, r)
-            value, rate = panel.low[group, r, 2 * s], panel.low[group, r, 2 * s + 1]
-            panel.strain_rate[s, group, r] = rate - panel.shortening[s, 1, f]
-            force = frequency * frequency * (value + panels.damping[d] * rate)
-            panel.tension[f] = force - panel.coupling[s, group, r]
+            moved = load8(panel.low[group, r], 0)
+            panel.strain_rate[group, r] = panel.low[group, r, END_RATE] - panel.shortening[f, END_RATE]
+            force = frequency * frequency * (lower_half(moved) + panels.damping[d] * upper_half(moved))
+            store4(panel.tension[f], 0, force - load4(panel.coupling[group, r], 0))
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for r in range(coupled + VALUES):
-            force = 0.0
+            force, before = splat4(0.0), panel.coupling[group, r]
             for f in range(FORMS):
-                force += panel.tension[f] * panel.gradient[s, group, r, f]
+                force = force + load4(panel.tension[f], 0) * load4(panel.gradient[group, r, f], 0)
             if r >= coupled:
-                panel.load[s, group, r - coupled] += force - panel.coupling[s, group, r]
-            panel.coupling[s, group, r] = force
+                load = panel.load[group, r - coupled]
+                store4(load, 0, load4(load, 0) + force - load4(before, 0))
+            store4(before, 0, force)
         for r in range(coupled):
+            taken, mode = panel.coupling[group, r], panels.modes[d, panels.first[group] + r]
+            force = load4(taken, 0)
             for i in range(VALUES):
-                share = panels.modes[d, panels.first[group] + r].row[i]
-                panel.coupling[s, group, r] -= share * panel.coupling[s, group, coupled + i]
+                force = force - mode.row[i] * load4(panel.coupling[group, coupled + i], 0)
+            store4(taken, 0, force)
 
 
 @kernel
-def couple(panels, panel, answers, d):
-    """Forces of foreshortening in a panel at both stages, the axial ones first: tension is what they leave.
+def bend(panels, panel, forced, d):
+    """Fill foreshortening at the stages; the ends must have moved by their loads."""
+    for group in range(AXIAL_EVEN):
+        move_low(panels, panel, forced, d, group)
+    foreshorten(panels.forms[d], panel)
+
+
+@kernel
+def couple(panels, panel, forced, d):
+    """Forces of foreshortening in a panel at the stages, the axial ones first: tension is what they leave.
 
     The ends must have moved by their loads, among which are the forces on the rest of their values: these change here.
     """
-    for group in range(AXIAL_EVEN):
-        move_low(panels, panel, answers, d, group)
-    for s in range(2):
-        foreshorten(panels.forms[d], panel.low, 2 * s, panel.gradient[s], panel.shortening[s])
-        push_axial(panels, panel, d, s)
+    bend(panels, panel, forced, d)
+    push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):
-        move_low(panels, panel, answers, d, group)
-    for s in range(2):
-        push_bending(panels, panel, d, s)
+        move_low(panels, panel, forced, d, group)
+    push_bending(panels, panel, d)

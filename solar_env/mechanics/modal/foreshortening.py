@@ -62,9 +62,9 @@ def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[
         values = np.array([(shape(0.0), shape.deriv()(0.0)) for shape in bent])
         for k in range(group, bending, 2):
             number = wave_number(k + 1)
-            own, square = np.array([2.0, -2.0 * float(slope_factor(number) * number)]), float(number) ** 4
-            slope -= np.outer(own, shapes[k]) / square
-            values -= np.outer(own, own) / square
+            linear, square = np.array([2.0, -2.0 * float(slope_factor(number) * number)]), float(number) ** 4
+            slope -= np.outer(linear, shapes[k]) / square
+            values -= np.outer(linear, linear) / square
         found.append(np.linalg.solve(values, slope) / np.array([[length], [1.0]]))
     return np.concatenate(found)
 

@@ -13,7 +13,6 @@ from solar_env.mechanics.arrays.model import ENERGIES, IDEAL
 from solar_env.mechanics.equations.formulation import Array, Formulation, JointView
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import (
-    OTHER,
     RIGID_BODY,
     VELOCITY_X,
     VELOCITY_Y,
@@ -27,7 +26,7 @@ from solar_env.mechanics.modal.build import compile_modal
 from solar_env.mechanics.modal.foreshortening import bending_shapes
 from solar_env.mechanics.modal.method import start_loads
 from solar_env.mechanics.modal.motion import look_at
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, EVEN_ENDS, ODD_ENDS
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, EVEN_ENDS, LAST, ODD_ENDS
 from solar_env.mechanics.numerics.jit import kernel
 
 # Parts of a panel's axis, each with as many points as an element of a beam.
@@ -56,20 +55,20 @@ class FloatingFrames(Formulation):
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Return the greatest violations of the ideal joints, in m and m/s."""
-        motion = np.abs(present_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, OTHER])
+        motion = np.abs(present_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, :, LAST])
         gaps, rates = motion[:, [ECCENTRICITY_X, ECCENTRICITY_Y]], motion[:, [VELOCITY_X, VELOCITY_Y]]
         return float(gaps.max(initial=0.0)), float(rates.max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
         """Evaluate the table of loads with those at the end of the last step."""
         work = present_motion(model, state)
-        fill_load_table(model, state, work, OTHER, state.loads, work.sample)
+        fill_load_table(model, state, work, state.loads, work.sample)
         return work.sample
 
     def stored_energies(self, model: ModalModel, state: ModalState) -> Array:
         """See `Formulation.stored_energies`."""
         energies = np.zeros(ENERGIES)
-        stored_energies(model, state, state.q, state.v, present_motion(model, state), OTHER, energies)
+        stored_energies(model, state, state.q, state.v, present_motion(model, state), energies)
         return energies
 
     def greatest_weight(self, model: ModalModel) -> float:
@@ -109,9 +108,9 @@ class FloatingFrames(Formulation):
 
 
 def present_motion(model: ModalModel, state: ModalState) -> Workspace:
-    """Return a workspace whose slot OTHER holds the present motion."""
+    """Return a workspace that holds the present motion."""
     work = make_workspace(model, state)
-    look_at(model, state.q, state.v, work, OTHER)
+    look_at(model, state.q, state.v, work)
     return work
 
 
@@ -134,9 +133,9 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
     u, odd_u = beyond(AXIAL_EVEN, 0)[..., 0], beyond(AXIAL_ODD, 0)[..., 0]
     for g in range(2):
         odd, even = panels.forms[d, g, :, :, ODD_ENDS], panels.forms[d, g, :, :, EVEN_ENDS]
-        for own, other, axial, form in ((low[g], low[g], odd_u, odd), (low[g], low[1 - g], u, even)):
-            block = form[: own.shape[-1], : other.shape[-1]]
-            axial += 0.5 * np.einsum("ij,...i,...j->...", block, own, other)
+        for same, other, axial, form in ((low[g], low[g], odd_u, odd), (low[g], low[1 - g], u, even)):
+            block = form[: same.shape[-1], : other.shape[-1]]
+            axial += 0.5 * np.einsum("ij,...i,...j->...", block, same, other)
     along = np.stack([u + odd_u, u - odd_u], axis=-1) @ np.stack([1.0 - s, s])
     (w, slope), (odd_w, odd_slope) = (np.moveaxis(beyond(g, k), -1, 0) for g, k in enumerate(panels.kept))
     ends, slopes = np.stack([w + odd_w, w - odd_w]), np.stack([odd_slope + slope, odd_slope - slope])

@@ -19,23 +19,30 @@ from solar_env.mechanics.modal.arrays import (
     NORMAL_X,
     NORMAL_Y,
     RIGID_BODY,
-    SECOND,
     SLIDING_SPEED,
-    START,
     VELOCITY_X,
     VELOCITY_Y,
 )
 from solar_env.mechanics.modal.books import add_integrals, cubic
 from solar_env.mechanics.modal.equations import fill_torques
-from solar_env.mechanics.modal.motion import force_of, look_at
+from solar_env.mechanics.modal.motion import force_of, look_at, start_from_end
 from solar_env.mechanics.modal.solve import ModalSettings, solve_step
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, LEVELS, fill_level, level_below, level_size
+from solar_env.mechanics.modal.tables import (
+    AXIAL_EVEN,
+    GROUPS,
+    LAST,
+    LEVELS,
+    STAGES,
+    fill_level,
+    level_below,
+    level_size,
+)
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController
 from solar_env.mechanics.records.history import step_limit
 
-CONTROL = StepController(4.0, most_growth=4.0, memory=0.25)
+CONTROL = StepController(5.0, most_growth=4.0, memory=0.25)
 _FIRST_STEP = 1e-4  # s
 # Level of tables for one step size, of the type of other levels: of another one kernels would be compiled anew.
 _CUT = np.int64(0)
@@ -56,25 +63,34 @@ def convert_settings(chosen: Any) -> ModalSettings:
     )
 
 
+@kernel
+def set_load(state, k, load):
+    """Set a load, and its course, on from the present state."""
+    state.loads[k] = load
+    for s in range(STAGES):
+        state.course[k, s] = load
+
+
 @kernel(inlined=False)
 def start_loads(model, state, work):
     """Torques of the laws at the start of a run."""
-    look_at(model, state.q, state.v, work, START)
+    look_at(model, state.q, state.v, work)
+    start_from_end(model, state, state.q, work)
     note_extremes(model, state, work, state.v)
-    fill_torques(model, state, work, START)
+    fill_torques(model, state, work)
     for k in range(model.joints.size + model.cables.size):
-        state.loads[k] = work.loads[k].law
+        set_load(state, k, work.loads[k].law[LAST])
     take_motion(model, state, work)
 
 
 @kernel
 def take_motion(model, state, work):
-    """Fill the motion of the joints, and their views, at the accepted state, of which the workspace has been filled."""
+    """Fill the motion of the joints as the run loop has it, and their views, at the accepted state."""
     for j in range(model.joints.size):
-        motion, place, view = work.motion[j], work.joints[j].motion[START], state.views[j]
+        motion, place, view = work.motion[j], state.motion[j], state.views[j]
         motion.depth, motion.depth_rate = place[DEPTH], place[DEPTH_RATE]
         motion.angle, motion.rate = place[ANGLE], place[RATE]
-        inboard = work.attachments[model.joints[j].inboard].direction[START]
+        inboard = state.placements[model.joints[j].inboard].direction
         view[0], view[1], view[2], view[3] = place[ANGLE], place[RATE], inboard[0], inboard[1]
         view[4], view[5] = place[ECCENTRICITY_X], place[ECCENTRICITY_Y]
 
@@ -85,8 +101,8 @@ def begin_modal(model, state, settings, work):
     clock = state.clock[0]
     start_at_state(state, work)
     for k in range(work.loads.size):
-        work.loads[k].stage[0] = work.loads[k].stage[1] = state.loads[k]
-    look_at(model, state.q, state.v, work, START)
+        for s in range(STAGES):
+            work.loads[k].stage[s] = state.loads[k]
     take_motion(model, state, work)
     if clock.step_size <= 0.0:
         clock.step_size = _FIRST_STEP
@@ -154,22 +170,22 @@ def cut_modal(model, state, settings, work, h):
 @kernel
 def depth_of_modal(model, state, work, j, h, share):
     """Penetration [m] of joint `j` at a share of the step, on the cubic through its motion at both ends."""
-    ex = along(work, j, ECCENTRICITY_X, VELOCITY_X, h, share)
-    ey = along(work, j, ECCENTRICITY_Y, VELOCITY_Y, h, share)
+    ex = along(state, work, j, ECCENTRICITY_X, VELOCITY_X, h, share)
+    ey = along(state, work, j, ECCENTRICITY_Y, VELOCITY_Y, h, share)
     return math.sqrt(ex * ex + ey * ey) - model.joints[j].clearance
 
 
 @kernel
 def angle_of_modal(model, state, work, j, h, share):
     """Angle [rad] of joint `j`, likewise."""
-    return along(work, j, ANGLE, RATE, h, share)
+    return along(state, work, j, ANGLE, RATE, h, share)
 
 
 @kernel
-def along(work, j, value, rate, h, share):
+def along(state, work, j, value, rate, h, share):
     """Value at a share of the step of the cubic through two columns of a joint's motion, a value and its rate."""
-    start, end = work.joints[j].motion[START], work.joints[j].motion[SECOND]
-    return cubic(share, start[value], h * start[rate], end[value], h * end[rate])
+    start, end = state.motion[j], work.joints[j].motion
+    return cubic(share, start[value], h * start[rate], end[value, LAST], h * end[rate, LAST])
 
 
 @kernel
@@ -179,6 +195,8 @@ def complete_modal(model, state, settings, work, h):
     tables, level = tables_of(model, work)
     commit_step(model, state, work, tables, level, h)
     add_integrals(model, state, work, h)
+    # Now: samples inside the step are looked at in the same scratch.
+    start_from_end(model, state, work.q, work)
 
 
 @kernel
@@ -187,7 +205,7 @@ def commit_modal(model, state, settings, work, h, share):
     copy_into(state.q, work.q)
     copy_into(state.v, work.v)
     copy_into(state.integrals, work.integrals)
-    keep_loads(state, work, h)
+    keep_loads(state, work)
     state.clock[0].last_step = h
     state.clock[0].acceleration_current = EXACT
     take_motion(model, state, work)
@@ -207,26 +225,27 @@ def evaluate_modal(model, state, work, changed):
 @kernel
 def contact_angles(model, state, work, j):
     """Angles [rad] of the line of centres of joint `j` in the frames of the journal's and of the bearing's body."""
-    joint, motion = model.joints[j], work.joints[j].motion[START]
+    joint, motion = model.joints[j], state.motion[j]
     angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
-    journal = angle - work.attachments[joint.outboard].direction[START, 0]
-    return journal, angle - work.attachments[joint.inboard].direction[START, 0]
+    journal = angle - state.placements[joint.outboard].direction[0]
+    return journal, angle - state.placements[joint.inboard].direction[0]
 
 
 @kernel
-def instantaneous_inverse_mass(model, work, j):
+def instantaneous_inverse_mass(model, state, j):
     """Inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
-    motion, joint = work.joints[j].motion[START], model.joints[j]
+    motion, joint = state.motion[j], model.joints[j]
     nx, ny, total = motion[NORMAL_X], motion[NORMAL_Y], 0.0
     for side in range(2):
         number = joint.outboard if side == 0 else joint.inboard
         attachment = model.attachments[number]
         b = attachment.body
         body = model.bodies[b]
-        lever = work.attachments[number].arm[START, 0] * ny - work.attachments[number].arm[START, 1] * nx
+        arm = state.placements[number].arm
+        lever = arm[0] * ny - arm[1] * nx
         total += body.inverse_mass + lever * lever * body.inverse_inertia
         if body.panel != RIGID_BODY:
-            c, s = work.bodies[b].turn[START, 0], work.bodies[b].turn[START, 1]
+            c, s = state.turns[b, 0], state.turns[b, 1]
             along, across = c * nx + s * ny, c * ny - s * nx
             for group in range(GROUPS):
                 share = across if group < AXIAL_EVEN else along
@@ -238,14 +257,14 @@ def instantaneous_inverse_mass(model, work, j):
 @kernel
 def open_contact(model, state, work, j):
     """Inverse mass [1/kg] that joint `j` feels along its line of centres; its loads begin with those of the laws."""
-    joint, motion = model.joints[j], work.joints[j].motion[START]
+    joint, motion = model.joints[j], state.motion[j]
     # Of note where a run starts with a journal that is pressed into its bearing.
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
     share, _ = friction_share(joint, motion[SLIDING_SPEED])
     k = force_of(model, j)
-    state.loads[k], state.loads[k + 1] = normal, -joint.friction_coefficient * share * normal
-    state.load_rates[k] = state.load_rates[k + 1] = 0.0
-    return instantaneous_inverse_mass(model, work, j)
+    set_load(state, k, normal)
+    set_load(state, k + 1, -joint.friction_coefficient * share * normal)
+    return instantaneous_inverse_mass(model, state, j)
 
 
 @kernel
@@ -254,4 +273,4 @@ def resume_modal(model, state, work):
     for j in range(model.joints.size):
         if model.joints[j].kind == CLEARANCE and not state.joints[j].in_contact:
             for k in range(force_of(model, j), force_of(model, j) + 2):
-                state.loads[k] = state.load_rates[k] = 0.0
+                set_load(state, k, 0.0)

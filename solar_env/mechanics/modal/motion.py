@@ -1,10 +1,13 @@
 """From loads to motion: loads of joints and cable loops to the bodies, their frames at the stages, what a joint sees.
 
-A loop's wheels turn against the chord of the body between its joints (`joints/cable_loop.py`). Its load is the torque
-on the outer wheel; the motion that it works on, where it conserves energy, is minus the mismatch of the wheels.
+The stages of a step are lanes of vectors; of a pose that is looked at all lanes are alike. A loop's wheels turn against
+the chord of the body between its joints (`joints/cable_loop.py`). Its load is the torque on the outer wheel; the motion
+that it works on, where it conserves energy, is minus the mismatch of the wheels.
 """
 
 import math
+
+import numpy as np
 
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, INBOARD_SPIN, OUTBOARD_SPIN, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE, IDEAL
@@ -21,7 +24,6 @@ from solar_env.mechanics.modal.arrays import (
     RIGID_BODY,
     SLIDING_SPEED,
     SLIP,
-    START,
     STRETCH,
     VELOCITY_X,
     VELOCITY_Y,
@@ -34,54 +36,70 @@ from solar_env.mechanics.modal.tables import (
     BENDING_EVEN,
     BENDING_ODD,
     GROUPS,
+    LANES,
+    LAST,
     NODES,
+    STAGES,
     VALUES,
     A,
     B,
     side,
 )
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat4, store4, upper_half
 
+# By load, in lanes of the stages that it moves.
+VELOCITY_BY_LOAD = np.array([[A[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
+PLACE_BY_LOAD = np.array([[B[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
+NODES_IN_LANES = np.array([NODES[min(s, LAST)] for s in range(LANES)])
 # Below this angle [rad] three terms of the series of sine and cosine hold all digits.
 _SMALL_TURN = 0.02
+# Below this slope five terms of that of the arctangent do.
+_SMALL_SLOPE = 0.05
 
 
 @kernel
-def add_load(model, work, stage, number, fx, fy, torque):
-    """Add a force [N] and a torque [N m] at an attachment to its body's loads at a stage."""
+def add(target, vector):
+    """Add a vector to four numbers."""
+    store4(target, 0, load4(target, 0) + vector)
+
+
+@kernel
+def add_load(model, work, number, fx, fy, torque):
+    """Add forces [N] and a torque [N m] at an attachment, at all stages, to its body's loads."""
     attachment = model.attachments[number]
-    own, arm = work.bodies[attachment.body], work.attachments[number].arm
-    own.load[stage, 0] += fx
-    own.load[stage, 1] += fy
-    own.load[stage, 2] += torque + arm[stage, 0] * fy - arm[stage, 1] * fx
+    body, arm = work.bodies[attachment.body], work.attachments[number].arm
+    add(body.load[0], fx)
+    add(body.load[1], fy)
+    add(body.load[2], torque + load4(arm[0], 0) * fy - load4(arm[1], 0) * fx)
     p = model.bodies[attachment.body].panel
     if p != RIGID_BODY:
-        load = work.panels[p].load[stage]
-        c, s = own.turn[stage, 0], own.turn[stage, 1]
-        along, across, odd = c * fx + s * fy, c * fy - s * fx, side(attachment.end)
-        load[BENDING_EVEN, 0] += across
-        load[BENDING_EVEN, 1] += odd * torque
-        load[BENDING_ODD, 0] += odd * across
-        load[BENDING_ODD, 1] += torque
-        load[AXIAL_EVEN, 0] += along
-        load[AXIAL_ODD, 0] += odd * along
+        load, odd = work.panels[p].load, side(attachment.end)
+        c, s = load4(body.turn[0], 0), load4(body.turn[1], 0)
+        along, across = c * fx + s * fy, c * fy - s * fx
+        add(load[BENDING_EVEN, 0], across)
+        add(load[BENDING_EVEN, 1], odd * torque)
+        add(load[BENDING_ODD, 0], odd * across)
+        add(load[BENDING_ODD, 1], torque)
+        add(load[AXIAL_EVEN, 0], along)
+        add(load[AXIAL_ODD, 0], odd * along)
 
 
 @kernel
-def outboard_load(joint, motion, first, second, torque):
+def outboard_load(joint, nx, ny, lever, first, second, torque):
     """Load on a joint's outboard body by its force and torque: force, torque; and the torque on the inboard one.
 
-    The force has the two components of an ideal joint's reaction, or the normal and tangential ones of a contact.
+    The force has the two components of an ideal joint's reaction, or the normal and tangential ones of a contact along
+    and across (nx, ny). It takes numbers, or vectors of several configurations.
     """
     torque = joint.sign * torque
     if joint.kind == IDEAL:
         return first, second, torque, -torque
-    nx, ny = motion[NORMAL_X], motion[NORMAL_Y]
     return (
         -first * nx - second * ny,
         -first * ny + second * nx,
         torque + joint.journal_radius * second,
-        -torque - motion[LEVER] * second,
+        -torque - lever * second,
     )
 
 
@@ -102,186 +120,240 @@ def cable_attachment(model, cable, face):
 
 
 @kernel
-def face_load(model, cable, motion, face, torque, ratio):
-    """Force [N] and torque [N m] of a loop on an attachment; `ratio` is of minus the inner torque to the outer one."""
+def face_load(model, cable, across_x, across_y, face, torque, ratio):
+    """Force [N] and torque [N m] of a loop on an attachment; `ratio` is of minus the inner torque to the outer one.
+
+    It takes numbers, or vectors of several configurations.
+    """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
+    nothing, moment = 0.0 * torque, inner - outer
     if face == 0:
-        return 0.0, 0.0, outer
+        return nothing, nothing, outer
     if face == 1:
-        return 0.0, 0.0, -inner
-    moment = inner - outer
+        return nothing, nothing, -inner
     if cable.chord_sense == 0:
-        return 0.0, 0.0, moment if face == 2 else 0.0
+        return nothing, nothing, moment if face == 2 else nothing
     force = moment if face == 3 else -moment
-    return force * motion[ACROSS_X], force * motion[ACROSS_Y], 0.0
+    return force * across_x, force * across_y, nothing
 
 
 @kernel
 def distribute_loads(model, state, work):
-    """Fill the loads of bodies and ends at both stages from those of joints and loops, in the directions there now."""
+    """Fill the loads of bodies and ends at the stages from those of joints and loops, in the directions there now."""
+    nothing = splat4(0.0)
     for b in range(model.bodies.size):
-        for s in range(2):
-            for i in range(3):
-                work.bodies[b].load[s, i] = 0.0
+        for i in range(3):
+            store4(work.bodies[b].load[i], 0, nothing)
     for p in range(work.panels.size):
-        own = work.panels[p]
-        for s in range(2):
-            for group in range(GROUPS):
-                for i in range(VALUES):
-                    # What foreshortening does to the rest of the end values is a load of the ends.
-                    bending, rest = group < AXIAL_EVEN, model.panels.coupled[group] + i
-                    own.load[s, group, i] = own.coupling[s, group, rest] if bending else 0.0
+        panel = work.panels[p]
+        for group in range(GROUPS):
+            for i in range(VALUES):
+                # What foreshortening does to the rest of the end values is a load of the ends.
+                rest = panel.coupling[group, model.panels.coupled[group] + i]
+                store4(panel.load[group, i], 0, load4(rest, 0) if group < AXIAL_EVEN else nothing)
     for j in range(model.joints.size):
-        joint, first = model.joints[j], force_of(model, j)
-        for s in range(2):
-            torque = work.loads[j].stage[s] + state.joints[j].motor_torque
-            force, motion = (work.loads[first].stage[s], work.loads[first + 1].stage[s]), work.joints[j].motion[s]
-            fx, fy, outboard, inboard = outboard_load(joint, motion, force[0], force[1], torque)
-            add_load(model, work, s, joint.outboard, fx, fy, outboard)
-            add_load(model, work, s, joint.inboard, -fx, -fy, inboard)
+        joint, first, motion = model.joints[j], force_of(model, j), work.joints[j].motion
+        torque = load4(work.loads[j].stage, 0) + state.joints[j].motor_torque
+        forces = load4(work.loads[first].stage, 0), load4(work.loads[first + 1].stage, 0)
+        nx, ny, lever = load4(motion[NORMAL_X], 0), load4(motion[NORMAL_Y], 0), load4(motion[LEVER], 0)
+        fx, fy, outboard, inboard = outboard_load(joint, nx, ny, lever, forces[0], forces[1], torque)
+        add_load(model, work, joint.outboard, fx, fy, outboard)
+        add_load(model, work, joint.inboard, -fx, -fy, inboard)
     for c in range(model.cables.size):
-        cable, load = model.cables[c], work.loads[model.joints.size + c].stage
-        for s in range(2):
-            for face in range(FACES):
-                motion = work.cables[c].motion[s]
-                fx, fy, torque = face_load(model, cable, motion, face, load[s], cable.torque_ratio)
-                add_load(model, work, s, cable_attachment(model, cable, face), fx, fy, torque)
+        cable, torque, motion = (
+            model.cables[c],
+            load4(work.loads[model.joints.size + c].stage, 0),
+            work.cables[c].motion,
+        )
+        across_x, across_y = load4(motion[ACROSS_X], 0), load4(motion[ACROSS_Y], 0)
+        for face in range(FACES):
+            fx, fy, moment = face_load(model, cable, across_x, across_y, face, torque, cable.torque_ratio)
+            add_load(model, work, cable_attachment(model, cable, face), fx, fy, moment)
 
 
 @kernel
-def turned(cosine, sine, angle):
-    """Cosine and sine after a further turn by `angle` [rad]."""
-    square = angle * angle
-    if square < _SMALL_TURN * _SMALL_TURN:
-        c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square / 40320.0)))
-        s = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square / 5040.0)))
+def turn_body(start, angle, turn):
+    """Fill cosine and sine (2, LANES) after further turns by the `angle` [rad], a vector, from (2,) `start`."""
+    square, small = angle * angle, True
+    store4(turn[0], 0, square)
+    for s in range(STAGES):
+        small = small and turn[0, s] < _SMALL_TURN * _SMALL_TURN
+    if small:
+        cosine = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))))
+        sine = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
     else:
-        c, s = math.cos(angle), math.sin(angle)
-    return cosine * c - sine * s, sine * c + cosine * s
+        store4(turn[1], 0, angle)
+        for s in range(LANES):
+            turn[0, s], turn[1, s] = math.cos(turn[1, s]), math.sin(turn[1, s])
+        cosine, sine = load4(turn[0], 0), load4(turn[1], 0)
+    store4(turn[0], 0, start[0] * cosine - start[1] * sine)
+    store4(turn[1], 0, start[1] * cosine + start[0] * sine)
 
 
 @kernel
 def stage_frames(model, state, work, h):
-    """Centres of mass and angles of the bodies at both stages, with their rates."""
+    """Centres of mass and angles of the bodies at the stages, with their rates."""
+    times = h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
-        body, own = model.bodies[b], work.bodies[b]
+        body, scratch = model.bodies[b], work.bodies[b]
         for i in range(3):
             inverse = body.inverse_mass if i < 2 else body.inverse_inertia
-            first, second = own.load[0, i] * inverse, own.load[1, i] * inverse
-            if i < 2 and inverse > 0.0:
-                first += model.gravity[i]
-                second += model.gravity[i]
-            x, v = state.q[body.offset + i], state.v[body.offset + i]
-            for s in range(2):
-                own.place[s, i] = x + h * (NODES[s] * v + h * (B[s][0] * first + B[s][1] * second))
-                own.speed[s, i] = v + h * (A[s][0] * first + A[s][1] * second)
-        for s in range(2):
-            angle = own.place[s, 2] - own.place[START, 2]
-            own.turn[s, 0], own.turn[s, 1] = turned(own.turn[START, 0], own.turn[START, 1], angle)
+            pull = model.gravity[i] if i < 2 and inverse > 0.0 else 0.0
+            speed = splat4(state.v[body.offset + i])
+            place = times * speed + state.q[body.offset + i]
+            for k in range(STAGES):
+                gain = h * (scratch.load[i, k] * inverse + pull)
+                place = place + (h * gain) * load4(PLACE_BY_LOAD[k], 0)
+                speed = speed + gain * load4(VELOCITY_BY_LOAD[k], 0)
+            store4(scratch.place[i], 0, place)
+            store4(scratch.speed[i], 0, speed)
+        turn_body(state.turns[b], load4(scratch.place[2], 0) - state.q[body.offset + 2], scratch.turn)
 
 
 @kernel
-def move_attachments(model, work, slot):
-    """Place the attachments at a slot, from the bodies' frames and the motion of the panels' ends there.
-
-    The motion of the ends is that of the stage; other slots keep theirs where the first stage has its own.
-    """
-    column = 2 * (slot if slot < 2 else 0)
+def move_attachments(model, work):
+    """Place the attachments, from the bodies' frames and the motion of the panels' ends."""
     for number in range(model.attachments.size):
-        attachment, own = model.attachments[number], work.attachments[number]
-        body = work.bodies[attachment.body]
-        panel = model.bodies[attachment.body].panel
-        place, speed = body.place[slot], body.speed[slot]
-        x, y, turn = attachment.x, attachment.y, place[2]
-        x_rate, y_rate, spin = 0.0, 0.0, speed[2]
+        attachment, scratch = model.attachments[number], work.attachments[number]
+        body, panel = work.bodies[attachment.body], model.bodies[attachment.body].panel
+        turn, spin = load4(body.place[2], 0), load4(body.speed[2], 0)
+        x, y, x_rate, y_rate = splat4(attachment.x), splat4(attachment.y), splat4(0.0), splat4(0.0)
         if panel != RIGID_BODY:
             odd, ends = side(attachment.end), work.panels[panel].ends
-            x += ends[AXIAL_EVEN, 0, column] + odd * ends[AXIAL_ODD, 0, column]
-            y += ends[BENDING_EVEN, 0, column] + odd * ends[BENDING_ODD, 0, column]
-            turn += odd * ends[BENDING_EVEN, 1, column] + ends[BENDING_ODD, 1, column]
-            column += 1
-            x_rate = ends[AXIAL_EVEN, 0, column] + odd * ends[AXIAL_ODD, 0, column]
-            y_rate = ends[BENDING_EVEN, 0, column] + odd * ends[BENDING_ODD, 0, column]
-            spin += odd * ends[BENDING_EVEN, 1, column] + ends[BENDING_ODD, 1, column]
-            column -= 1
-        c, s = body.turn[slot, 0], body.turn[slot, 1]
+            along = load8(ends[AXIAL_EVEN, 0], 0) + odd * load8(ends[AXIAL_ODD, 0], 0)
+            across = load8(ends[BENDING_EVEN, 0], 0) + odd * load8(ends[BENDING_ODD, 0], 0)
+            turning = odd * load8(ends[BENDING_EVEN, 1], 0) + load8(ends[BENDING_ODD, 1], 0)
+            x, y, turn = x + lower_half(along), y + lower_half(across), turn + lower_half(turning)
+            x_rate, y_rate, spin = upper_half(along), upper_half(across), spin + upper_half(turning)
+        c, s, body_spin = load4(body.turn[0], 0), load4(body.turn[1], 0), load4(body.speed[2], 0)
         ax, ay = c * x - s * y, s * x + c * y
-        own.local[slot, 0], own.local[slot, 1] = x, y
-        own.arm[slot, 0], own.arm[slot, 1] = ax, ay
-        own.point[slot, 0], own.point[slot, 1] = place[0] + ax, place[1] + ay
-        own.point_rate[slot, 0] = speed[0] - speed[2] * ay + c * x_rate - s * y_rate
-        own.point_rate[slot, 1] = speed[1] + speed[2] * ax + s * x_rate + c * y_rate
-        own.direction[slot, 0], own.direction[slot, 1] = turn, spin
+        store4(scratch.local[0], 0, x)
+        store4(scratch.local[1], 0, y)
+        store4(scratch.arm[0], 0, ax)
+        store4(scratch.arm[1], 0, ay)
+        store4(scratch.point[0], 0, load4(body.place[0], 0) + ax)
+        store4(scratch.point[1], 0, load4(body.place[1], 0) + ay)
+        store4(scratch.point_rate[0], 0, load4(body.speed[0], 0) - body_spin * ay + c * x_rate - s * y_rate)
+        store4(scratch.point_rate[1], 0, load4(body.speed[1], 0) + body_spin * ax + s * x_rate + c * y_rate)
+        store4(scratch.direction[0], 0, turn)
+        store4(scratch.direction[1], 0, spin)
 
 
 @kernel
-def move_joints(model, work, slot):
-    """Fill the motion of every joint at a slot from that of its attachments."""
+def move_joints(model, work):
+    """Fill the motion of every joint from that of its attachments."""
     for j in range(model.joints.size):
-        joint, motion = model.joints[j], work.joints[j].motion[slot]
+        joint, motion = model.joints[j], work.joints[j].motion
         outboard, inboard = work.attachments[joint.outboard], work.attachments[joint.inboard]
-        ex = outboard.point[slot, 0] - inboard.point[slot, 0]
-        ey = outboard.point[slot, 1] - inboard.point[slot, 1]
-        ux = outboard.point_rate[slot, 0] - inboard.point_rate[slot, 0]
-        uy = outboard.point_rate[slot, 1] - inboard.point_rate[slot, 1]
-        motion[ECCENTRICITY_X], motion[ECCENTRICITY_Y] = ex, ey
-        motion[VELOCITY_X], motion[VELOCITY_Y] = ux, uy
-        turn = outboard.direction[slot, 0] - inboard.direction[slot, 0]
-        motion[ANGLE] = joint.sign * (turn - model.folded_angle[j])
-        motion[OUTBOARD_SPIN], motion[INBOARD_SPIN] = outboard.direction[slot, 1], inboard.direction[slot, 1]
-        motion[RATE] = joint.sign * (motion[OUTBOARD_SPIN] - motion[INBOARD_SPIN])
+        ex = load4(outboard.point[0], 0) - load4(inboard.point[0], 0)
+        ey = load4(outboard.point[1], 0) - load4(inboard.point[1], 0)
+        ux = load4(outboard.point_rate[0], 0) - load4(inboard.point_rate[0], 0)
+        uy = load4(outboard.point_rate[1], 0) - load4(inboard.point_rate[1], 0)
+        store4(motion[ECCENTRICITY_X], 0, ex)
+        store4(motion[ECCENTRICITY_Y], 0, ey)
+        store4(motion[VELOCITY_X], 0, ux)
+        store4(motion[VELOCITY_Y], 0, uy)
+        outboard_spin, inboard_spin = load4(outboard.direction[1], 0), load4(inboard.direction[1], 0)
+        turn = load4(outboard.direction[0], 0) - load4(inboard.direction[0], 0)
+        store4(motion[ANGLE], 0, joint.sign * (turn - model.folded_angle[j]))
+        store4(motion[RATE], 0, joint.sign * (outboard_spin - inboard_spin))
+        store4(motion[OUTBOARD_SPIN], 0, outboard_spin)
+        store4(motion[INBOARD_SPIN], 0, inboard_spin)
         if joint.kind == CLEARANCE:
-            contact = contact_motion(joint, ex, ey, ux, uy, motion[OUTBOARD_SPIN], motion[INBOARD_SPIN])
-            motion[LEVER], motion[NORMAL_X], motion[NORMAL_Y] = contact.lever, contact.normal_x, contact.normal_y
-            motion[DEPTH], motion[DEPTH_RATE] = contact.depth, contact.rate
-            motion[SLIP], motion[SLIDING_SPEED] = contact.slip, contact.sliding_speed
+            contact = contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin)
+            store4(motion[LEVER], 0, contact.lever)
+            store4(motion[NORMAL_X], 0, contact.normal_x)
+            store4(motion[NORMAL_Y], 0, contact.normal_y)
+            store4(motion[DEPTH], 0, contact.depth)
+            store4(motion[DEPTH_RATE], 0, contact.rate)
+            store4(motion[SLIP], 0, contact.slip)
+            store4(motion[SLIDING_SPEED], 0, contact.sliding_speed)
 
 
 @kernel
-def move_cables(model, work, slot):
-    """Fill the motion of every loop at a slot from that of joints and attachments."""
+def chord_angle(cable, x, y, turn):
+    """Add to (LANES,) `turn` [rad] the direction of a chord (x, y) against its body's axis."""
+    small = True
+    for s in range(STAGES):
+        small = small and cable.chord_sense * x[s] > 0.0 and abs(y[s]) < _SMALL_SLOPE * abs(x[s])
+    if small:
+        slope = load4(y, 0) / load4(x, 0)
+        square = slope * slope
+        series = 1.0 / 5.0 - square * (1.0 / 7.0 - square * (1.0 / 9.0 - square * (1.0 / 11.0)))
+        store4(turn, 0, load4(turn, 0) + slope * (1.0 - square * (1.0 / 3.0 - square * series)))
+    else:
+        for s in range(LANES):
+            turn[s] += math.atan2(cable.chord_sense * y[s], cable.chord_sense * x[s])
+
+
+@kernel
+def move_cables(model, work):
+    """Fill the motion of every loop from that of joints and attachments."""
     for c in range(model.cables.size):
-        cable, motion = model.cables[c], work.cables[c].motion[slot]
-        inner, outer = work.joints[cable.joint_a].motion[slot], work.joints[cable.joint_b].motion[slot]
-        inner_angle, outer_angle, rate, across_x, across_y = inner[ANGLE], outer[ANGLE], inner[RATE], 0.0, 0.0
+        cable, motion = model.cables[c], work.cables[c].motion
+        inner, outer = work.joints[cable.joint_a].motion, work.joints[cable.joint_b].motion
+        inner_angle, outer_angle, rate = load4(inner[ANGLE], 0), load4(outer[ANGLE], 0), load4(inner[RATE], 0)
+        across_x = across_y = splat4(0.0)
         if cable.chord_sense != 0:
             a, b = model.joints[cable.joint_a], model.joints[cable.joint_b]
             first, last = work.attachments[a.outboard], work.attachments[b.inboard]
-            x, y = last.local[slot, 0] - first.local[slot, 0], last.local[slot, 1] - first.local[slot, 1]
-            turn = work.bodies[model.attachments[a.outboard].body].place[slot, 2]
-            turn += math.atan2(cable.chord_sense * y, cable.chord_sense * x)
-            inner_angle += a.sign * (turn - first.direction[slot, 0])
-            outer_angle -= b.sign * (turn - last.direction[slot, 0])
-            x, y = last.point[slot, 0] - first.point[slot, 0], last.point[slot, 1] - first.point[slot, 1]
-            square = x * x + y * y
-            across_x, across_y = -y / square, x / square
-            spin = across_x * (last.point_rate[slot, 0] - first.point_rate[slot, 0])
-            spin += across_y * (last.point_rate[slot, 1] - first.point_rate[slot, 1])
-            rate += a.sign * (spin - first.direction[slot, 1])
-        motion[STRETCH], motion[WHEEL_RATE] = cable.wheel_ratio * inner_angle - outer_angle, rate
-        motion[ACROSS_X], motion[ACROSS_Y] = across_x, across_y
-
-
-@kernel
-def place_bodies(model, q, v, work, slot):
-    """Fill frames, attachments and joints at a slot, from coordinates and the ends' motion without foreshortening."""
-    for b in range(model.bodies.size):
-        body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
-        for i in range(3):
-            own.place[slot, i], own.speed[slot, i] = q[first + i], v[first + i]
-        own.turn[slot, 0], own.turn[slot, 1] = math.cos(q[first + 2]), math.sin(q[first + 2])
-        if body.panel != RIGID_BODY:
-            shorten_pose(model.panels, work.panels[body.panel], body.design, q[first + 3 :], v[first + 3 :])
-    move_attachments(model, work, slot)
-    move_joints(model, work, slot)
-    move_cables(model, work, slot)
+            x = load4(last.local[0], 0) - load4(first.local[0], 0)
+            y = load4(last.local[1], 0) - load4(first.local[1], 0)
+            store4(motion[ACROSS_X], 0, x)
+            store4(motion[ACROSS_Y], 0, y)
+            store4(motion[STRETCH], 0, load4(work.bodies[model.attachments[a.outboard].body].place[2], 0))
+            chord_angle(cable, motion[ACROSS_X], motion[ACROSS_Y], motion[STRETCH])
+            turn = load4(motion[STRETCH], 0)
+            inner_angle = inner_angle + a.sign * (turn - load4(first.direction[0], 0))
+            outer_angle = outer_angle - b.sign * (turn - load4(last.direction[0], 0))
+            x = load4(last.point[0], 0) - load4(first.point[0], 0)
+            y = load4(last.point[1], 0) - load4(first.point[1], 0)
+            inverse = 1.0 / (x * x + y * y)
+            across_x, across_y = -y * inverse, x * inverse
+            spin = across_x * (load4(last.point_rate[0], 0) - load4(first.point_rate[0], 0))
+            spin = spin + across_y * (load4(last.point_rate[1], 0) - load4(first.point_rate[1], 0))
+            rate = rate + a.sign * (spin - load4(first.direction[1], 0))
+        store4(motion[STRETCH], 0, cable.wheel_ratio * inner_angle - outer_angle)
+        store4(motion[WHEEL_RATE], 0, rate)
+        store4(motion[ACROSS_X], 0, across_x)
+        store4(motion[ACROSS_Y], 0, across_y)
 
 
 @kernel(inlined=False)
-def look_at(model, q, v, work, slot):
-    """Fill frames, attachments and joints at a slot for given coordinates and velocities."""
+def look_at(model, q, v, work):
+    """Fill frames, attachments, joints and loops in all lanes for given coordinates and velocities."""
     for b in range(model.bodies.size):
-        body, first = model.bodies[b], model.bodies[b].offset + 3
+        body, scratch, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
+        for i in range(3):
+            store4(scratch.place[i], 0, splat4(q[first + i]))
+            store4(scratch.speed[i], 0, splat4(v[first + i]))
+        store4(scratch.turn[0], 0, splat4(math.cos(q[first + 2])))
+        store4(scratch.turn[1], 0, splat4(math.sin(q[first + 2])))
         if body.panel != RIGID_BODY:
-            sum_ends(model.panels, work.panels[body.panel], body.design, q[first:], v[first:])
-    place_bodies(model, q, v, work, slot)
+            panel = work.panels[body.panel]
+            sum_ends(model.panels, panel, body.design, q[first + 3 :], v[first + 3 :])
+            shorten_pose(model.panels, panel, body.design, q[first + 3 :], v[first + 3 :])
+    move_attachments(model, work)
+    move_joints(model, work)
+    move_cables(model, work)
+
+
+@kernel
+def start_from_end(model, state, q, work):
+    """Take over the motion at the last stage, and at coordinates `q`, as that of the present state."""
+    for b in range(model.bodies.size):
+        angle = q[model.bodies[b].offset + 2]
+        state.turns[b, 0], state.turns[b, 1] = math.cos(angle), math.sin(angle)
+    for number in range(model.attachments.size):
+        scratch, placement = work.attachments[number], state.placements[number]
+        body = work.bodies[model.attachments[number].body]
+        for i in range(2):
+            placement.local[i], placement.arm[i] = scratch.local[i, LAST], scratch.arm[i, LAST]
+            placement.arm_rate[i] = scratch.point_rate[i, LAST] - body.speed[i, LAST]
+            placement.direction[i] = scratch.direction[i, LAST]
+    for j in range(model.joints.size):
+        for c in range(state.motion.shape[1]):
+            state.motion[j, c] = work.joints[j].motion[c, LAST]
+    for k in range(model.cables.size):
+        for c in range(state.cable_motion.shape[1]):
+            state.cable_motion[k, c] = work.cables[k].motion[c, LAST]

@@ -1,37 +1,38 @@
-"""One step of the two-stage Radau IIA method on the loads of the joints: Newton's iteration.
+"""One step of the three-stage Radau IIA method on the loads of the joints: Newton's iteration.
 
-Third order, stiffly accurate, L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
+Fifth order, stiffly accurate, L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
 Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Directions, lever arms and foreshortening are those of the
-stages, renewed in every iteration; the matrix takes them from the first one. With ideal joints the relative velocity
-vanishes at the stages, less a share that returns the position.
+stages, renewed in every iteration; the matrix takes them from the first one, and is kept while the laws of the loads
+stay in the same pieces. With ideal joints the relative velocity vanishes at the stages, less a share that returns the
+position.
 """
 
 import math
 from typing import NamedTuple
 
-from solar_env.mechanics.arrays.columns import ANGLE, RATE
+from solar_env.mechanics.arrays.columns import RATE
 from solar_env.mechanics.arrays.model import CLEARANCE, IDEAL
-from solar_env.mechanics.joints.contact import sliding_share
 from solar_env.mechanics.modal.arrays import (
-    CABLE_COLUMNS,
+    ACROSS_X,
+    ACROSS_Y,
     CABLE_ROW,
     DEPTH,
-    DEPTH_RATE,
-    MOTION_COLUMNS,
+    LEVER,
     NORMAL_ROW,
+    NORMAL_X,
+    NORMAL_Y,
     REACTION_X_ROW,
     RIGID_BODY,
-    SECOND,
-    SLIDING_SPEED,
-    SLIP,
-    START,
-    STRETCH,
     TANGENTIAL_ROW,
     TORQUE_ROW,
+    VELOCITY_X,
+    VELOCITY_Y,
 )
-from solar_env.mechanics.modal.ends import add_modal_forces, couple, forced_ends, free_ends, shorten_ends
-from solar_env.mechanics.modal.equations import contact_rows, fill_torques, reaction_row, torque_row
+from solar_env.mechanics.modal.elimination import eliminate, substitute
+from solar_env.mechanics.modal.ends import add_modal_forces, bend, couple, forced_ends, free_ends, shorten_ends
+from solar_env.mechanics.modal.equations import contact_rows, fill_torques, piece_of_law, reaction_row, torque_row
 from solar_env.mechanics.modal.motion import (
+    NODES_IN_LANES,
     distribute_loads,
     force_of,
     move_attachments,
@@ -39,20 +40,37 @@ from solar_env.mechanics.modal.motion import (
     move_joints,
     stage_frames,
 )
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, NODES
+from solar_env.mechanics.modal.tables import (
+    AXIAL_EVEN,
+    COLUMNS,
+    END_RATE,
+    GROUPS,
+    LANES,
+    LAST,
+    LOW,
+    NODES,
+    POLYNOMIAL,
+    RATE_AT_END,
+    STAGES,
+)
 from solar_env.mechanics.modal.unknowns import DEVIATION, fill_mobility, list_rows
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
+from solar_env.mechanics.numerics.vectors import load4, splat4, square_roots, store4, where_less
 
 _MOST_ITERATIONS = 30
-# Foreshortening is of second order: its forces are renewed in so many iterations.
-_COUPLED_ITERATIONS = 2
-# Correction over the tolerance after which motion and matrix are not renewed.
-_SMALL = 30.0
-# Displacement by a correction, over the clearance, above which motion is renewed.
-_SHIFT = 1e-3
+# Foreshortening is of second order: its forces, which go on along their course, are renewed in the first iteration, and
+# after corrections above so many tolerances; with ideal joints always.
+_COARSE = 10.0
+# The matrix is kept while the correction shrinks to this share of the one before, up to so many iterations.
+_SHRINKING = 0.1
+_KEPT_ITERATIONS = 8
 # The iteration ends where the corrections to come are less than this share of the tolerance.
-_CONVERGED = 0.05
+_CONVERGED, _CONVERGED_REACTIONS = 0.01, 0.05
+_HOPELESS = 1e12
+# Over the last step, up to which a load's course is followed into the next one; beyond it goes on along its tangent.
+_FOLLOWED = 1.6
+# Greatest turn [rad] of a line of centres that is foreseen.
+_GREATEST_TURN = 0.5
 # Least depth that counts, over the predicted greatest depth of the impact.
 _LEAST_DEPTH = 0.05
 _HERTZ = 2.943275
@@ -77,73 +95,106 @@ class ModalSettings(NamedTuple):
 
 
 @kernel
-def start_stages(model, state, work, h):
-    """First guess of the stages: directions of the start, loads along the last step's polynomial."""
-    for b in range(model.bodies.size):
-        own = work.bodies[b]
-        # The directions at the stage, but for the loads of the step.
-        c, s0 = own.turn[START, 0], own.turn[START, 1]
-        for s in range(2):
-            angle = NODES[s] * h * own.speed[START, 2]
-            own.turn[s, 0], own.turn[s, 1] = c - s0 * angle, s0 + c * angle
-    for number in range(model.attachments.size):
-        arm = work.attachments[number].arm
-        for s in range(2):
-            arm[s, 0], arm[s, 1] = arm[START, 0], arm[START, 1]
-    for p in range(work.panels.size):
-        for s in range(2):
-            copy_rows(work.panels[p].coupling[s], state.coupling[p])
-    for s in range(2):
-        for k in range(work.loads.size):
-            work.loads[k].stage[s] = state.loads[k] + NODES[s] * h * state.load_rates[k]
-        for j in range(model.joints.size):
-            motion, tried = work.joints[j].motion, work.joints[j].tried[s]
-            for c in range(MOTION_COLUMNS):
-                motion[s, c] = motion[START, c]
-            tried[0] = tried[1] = 0.0
-            if model.joints[j].kind == CLEARANCE:
-                normal = work.loads[force_of(model, j)].stage
-                normal[s] = max(normal[s], 0.0)
-        for c in range(model.cables.size):
-            motion = work.cables[c].motion
-            for k in range(CABLE_COLUMNS):
-                motion[s, k] = motion[START, k]
+def foresee(state, work, h):
+    """Fill the weights with which the loads at the stages of the last step foretell those of a step `h` [s]."""
+    last = state.clock[0].last_step
+    for s in range(LANES):
+        later = NODES[min(s, LAST)] * h / last if last > 0.0 else 0.0
+        for k in range(STAGES):
+            if h <= _FOLLOWED * last:
+                value, share = 0.0, 1.0 + later
+                for down in range(STAGES):
+                    value = value * share + POLYNOMIAL[k][LAST - down]
+            else:
+                value = (1.0 if k == LAST else 0.0) + RATE_AT_END[k] * later
+            work.step[0].foreseen[k, s] = value
 
 
 @kernel
-def move_stages(model, state, work, tables, level, h, coupled):
-    """Motion of bodies, attachments and joints at both stages under the present loads.
+def continue_course(foreseen, course, stage):
+    """Fill values at the stages (LANES,) from those of the last step."""
+    total = course[0] * load4(foreseen[0], 0)
+    for k in range(1, STAGES):
+        total = total + course[k] * load4(foreseen[k], 0)
+    store4(stage, 0, total)
 
-    Where `coupled`, the forces of foreshortening are renewed; they belong to amplitudes under those of before.
+
+@kernel
+def start_stages(model, state, work, h):
+    """First guess of the stages: directions by their rates at the start, loads along their course in the last step."""
+    foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
+    for b in range(model.bodies.size):
+        turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
+        angle = state.v[model.bodies[b].offset + 2] * times
+        store4(turn[0], 0, c - s * angle)
+        store4(turn[1], 0, s + c * angle)
+    for number in range(model.attachments.size):
+        arm, placement = work.attachments[number].arm, state.placements[number]
+        for i in range(2):
+            store4(arm[i], 0, placement.arm[i] + placement.arm_rate[i] * times)
+    for p in range(work.panels.size):
+        for group in range(GROUPS):
+            for r in range(LOW):
+                continue_course(foreseen, state.coupling[p, group, r], work.panels[p].coupling[group, r])
+    for k in range(work.loads.size):
+        continue_course(foreseen, state.course[k], work.loads[k].stage)
+    for j in range(model.joints.size):
+        joint, start, scratch = model.joints[j], state.motion[j], work.joints[j]
+        if joint.kind == CLEARANCE:
+            nx, ny = start[NORMAL_X], start[NORMAL_Y]
+            radius = start[LEVER] - joint.journal_radius
+            spin = (start[VELOCITY_Y] * nx - start[VELOCITY_X] * ny) / radius if radius > 0.0 else 0.0
+            limit, turn = splat4(_GREATEST_TURN), spin * times
+            turn = where_less(turn, limit, where_less(-limit, turn, turn, -limit), limit)
+            size = 1.0 / square_roots(1.0 + turn * turn)
+            store4(scratch.motion[NORMAL_X], 0, (nx - ny * turn) * size)
+            store4(scratch.motion[NORMAL_Y], 0, (ny + nx * turn) * size)
+            store4(scratch.motion[LEVER], 0, splat4(start[LEVER]))
+            normal = work.loads[force_of(model, j)].stage
+            store4(normal, 0, where_less(splat4(0.0), load4(normal, 0), load4(normal, 0), splat4(0.0)))
+            store4(scratch.tried[0], 0, splat4(0.0))
+            store4(scratch.tried[1], 0, splat4(0.0))
+    for c in range(model.cables.size):
+        motion = work.cables[c].motion
+        for column in (ACROSS_X, ACROSS_Y):
+            store4(motion[column], 0, splat4(state.cable_motion[c, column]))
+
+
+@kernel
+def move_stages(model, state, work, tables, level, h, shaped, coupled):
+    """Motion of bodies, attachments and joints at the stages under the present loads.
+
+    Where `shaped`, foreshortening is renewed, and where `coupled` its forces, too; they belong to amplitudes under
+    those of before.
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
-            own, answers = work.panels[p], tables.answers[d, level]
-            forced_ends(own, tables.responses[d, level].response, GROUPS)
+            panel, forced = work.panels[p], tables.forced[d, level]
+            forced_ends(panel, tables.responses[d, level].response, GROUPS)
             if coupled:
-                couple(model.panels, own, answers, d)
+                couple(model.panels, panel, forced, d)
                 # The forces on the rest of the end values are among the loads.
-                forced_ends(own, tables.responses[d, level].response, AXIAL_EVEN)
-            add_modal_forces(model.panels, own, answers, d)
-            for s in range(2):
-                shorten_ends(own, s)
-    for s in range(2):
-        move_attachments(model, work, s)
-        move_joints(model, work, s)
-        move_cables(model, work, s)
+                forced_ends(panel, tables.responses[d, level].response, AXIAL_EVEN)
+            elif shaped:
+                bend(model.panels, panel, forced, d)
+            add_modal_forces(model.panels, panel, forced, d)
+            shorten_ends(panel)
+    move_attachments(model, work)
+    move_joints(model, work)
+    move_cables(model, work)
 
 
 @kernel
-def velocity_tolerance(model, work, settings):
+def velocity_tolerance(model, state, settings):
     """Tolerance of velocities [m/s] at the start of a step: of the scale, or of the hinges' speed if that is less."""
     scale, fastest = settings.velocity_scale, 0.0
     for j in range(model.joints.size):
         if model.joints[j].kind == IDEAL:
             return settings.rtol * scale
-        fastest = max(fastest, abs(work.joints[j].motion[START, RATE]))
+        fastest = max(fastest, abs(state.motion[j, RATE]))
     return settings.rtol * min(scale, max(fastest * model.length_scale, _LEAST_SCALE * scale))
 
 
@@ -157,14 +208,16 @@ def set_tolerances(state, work, settings, h, n):
             continue
         # Without signs: a vibration may have turned back by the end of the step.
         response = work.mobility[r, r].response
-        gain = DEVIATION * (abs(response[3]) + abs(response[7]))
+        gain = 0.0
+        for k in range(STAGES):
+            gain += DEVIATION * abs(response[COLUMNS * k + END_RATE])
         load.tolerance = limit / gain
         if kind == NORMAL_ROW:
-            own = state.joints[j]
-            least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
-            depth = max(work.joints[j].motion[SECOND, DEPTH], work.joints[j].motion[START, DEPTH], least)
-            # A load that is off moves a stiff contact's depth by no more than its own share.
-            share = _LOAD_SHARE * settings.rtol * max(load.stage[1], state.loads[work.unknowns[r].number])
+            joint_state = state.joints[j]
+            least = _LEAST_DEPTH / _HERTZ * joint_state.impact_speed * joint_state.contact_duration
+            depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], least)
+            # A load that is off moves a stiff contact's depth by no more than its share.
+            share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.loads[work.unknowns[r].number])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
             load.tolerance = min(load.tolerance, from_depth)
@@ -178,69 +231,48 @@ def correct_loads(model, state, work, n, h, renewed):
     matrix is singular or a change is not finite.
     """
     size, apart, total = 0.0, 0.0, 0.0
-    for s in range(2):
-        fill_torques(model, state, work, s)
-        for r in range(n):
-            kind = work.unknowns[r].kind
-            if kind in (TORQUE_ROW, CABLE_ROW):
-                torque_row(work, s, n, r, renewed)
-            elif kind == NORMAL_ROW:
-                contact_rows(model, state, work, s, n, r, renewed)
-            elif kind != TANGENTIAL_ROW:
-                reaction_row(work, s, n, r, h, renewed)
-        for k in range(model.joints.size + model.cables.size):
-            load = work.loads[k]
-            if not load.unknown:
-                change = load.law - load.stage[s]
-                load.stage[s] += change
+    fill_torques(model, state, work)
+    for r in range(n):
+        kind = work.unknowns[r].kind
+        if kind in (TORQUE_ROW, CABLE_ROW):
+            torque_row(work, r, renewed)
+        elif kind == NORMAL_ROW:
+            contact_rows(model, state, work, r, renewed)
+        elif kind != TANGENTIAL_ROW:
+            reaction_row(state, work, r, h, renewed)
+    for k in range(model.joints.size + model.cables.size):
+        load = work.loads[k]
+        if not load.unknown:
+            for s in range(STAGES):
+                change = load.law[s] - load.stage[s]
                 total += change
                 apart = max(apart, abs(change) / load.tolerance)
-    if n > 0:
-        if renewed and not lu_factor(work.matrix, 2 * n):
-            return math.inf, math.inf
-        lu_solve(work.matrix, 2 * n, work.correction)
-    for s in range(2):
-        for r in range(n):
-            change, load = work.correction[s * n + r], work.loads[work.unknowns[r].number]
-            load.stage[s] += change
-            total += change
-            size = max(size, abs(change) / load.tolerance)
+            store4(load.stage, 0, load4(load.law, 0))
+    for r in range(n):
+        first, end = work.unknowns[r].first, work.unknowns[r].end
+        if first == r:
+            if renewed and not eliminate(work.matrix, work.pivots, first, end):
+                return math.inf, math.inf
+            substitute(work.matrix, work.pivots, first, end, work.residual, work.correction)
+    for r in range(n):
+        load, correction = work.loads[work.unknowns[r].number], work.correction[r]
+        store4(load.stage, 0, load4(load.stage, 0) + load4(correction, 0))
+        for s in range(STAGES):
+            total += correction[s]
+            size = max(size, abs(correction[s]) / load.tolerance)
     return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
 
 
 @kernel
-def shift_stages(model, work, n):
-    """Change the joints' motion at the stages by what the latest correction of the loads does, to first order.
-
-    It is for joints with clearance: a reaction's correction has no first order that would do. Returns the greatest
-    displacement over the clearance, to say how much the first order leaves out.
-    """
-    greatest = 0.0
+def pieces_of_laws(model, state, work, n):
+    """A number that tells in which pieces of their laws the unknown loads are at the stages."""
+    pieces = 0
     for r in range(n):
-        j, kind = work.unknowns[r].owner, work.unknowns[r].kind
-        joint = model.joints[model.cables[j].joint_b if kind == CABLE_ROW else j]
-        for s in range(2):
-            value, rate = 0.0, 0.0
-            for c in range(n):
-                own = work.mobility[r, c].response
-                for k in range(2):
-                    value += own[4 * k + 2 * s] * work.correction[k * n + c]
-                    rate += own[4 * k + 2 * s + 1] * work.correction[k * n + c]
-            motion = work.joints[j].motion[s]
-            if kind == CABLE_ROW:
-                work.cables[j].motion[s, STRETCH] -= value
-            elif kind == TORQUE_ROW:
-                motion[ANGLE] += value
-                motion[RATE] += rate
-            elif kind == NORMAL_ROW:
-                motion[DEPTH] -= value
-                motion[DEPTH_RATE] -= rate
-            else:
-                motion[SLIP] += rate
-                motion[SLIDING_SPEED] += rate * sliding_share(joint, motion[DEPTH])
-            lever = model.length_scale if kind in (TORQUE_ROW, CABLE_ROW) else 1.0
-            greatest = max(greatest, abs(value) * lever / joint.clearance)
-    return greatest
+        kind, j = work.unknowns[r].kind, work.unknowns[r].owner
+        if kind in (TORQUE_ROW, NORMAL_ROW):
+            for s in range(STAGES):
+                pieces = 31 * pieces + piece_of_law(model.joints[j], state.joints[j], work.joints[j].motion, kind, s)
+    return pieces
 
 
 @kernel
@@ -249,8 +281,8 @@ def furthest_off(model, work, n):
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
-        for s in range(2):
-            change = abs(work.correction[s * n + r]) / work.loads[work.unknowns[r].number].tolerance
+        for s in range(STAGES):
+            change = abs(work.correction[r, s]) / work.loads[work.unknowns[r].number].tolerance
             if change > greatest:
                 joint, greatest = model.cables[owner].joint_b if kind == CABLE_ROW else owner, change
     return joint
@@ -262,40 +294,43 @@ def solve_step(model, state, work, settings, tables, level, h):
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:
-            answers, first = tables.answers[body.design, level], body.offset + 3
-            last = first + answers.size
-            own, d = work.panels[body.panel], body.design
-            free_ends(model.panels, own, answers, d, state.q[first:last], state.v[first:last])
-    work.step[0].velocity_tolerance = velocity_tolerance(model, work, settings)
+            panel, first = work.panels[body.panel], body.offset + 3
+            last = first + model.panels.modes.shape[1]
+            free_ends(model.panels, panel, tables, body.design, level, state.q[first:last], state.v[first:last])
+    work.step[0].velocity_tolerance = velocity_tolerance(model, state, settings)
+    foresee(state, work, h)
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
     work.step[0].unknowns, work.trial[0].joint = n, -1
-    before, renewed, constrained = math.inf, True, False
+    before, renewed, constrained, solved = math.inf, True, False, 0
     for r in range(n):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
+    work.step[0].constrained = constrained
     for iteration in range(_MOST_ITERATIONS):
         state.clock[0].evaluations += 1
-        if not renewed:
-            renewed = shift_stages(model, work, n) > _SHIFT
-        if renewed:
-            # A reaction holds the joint where foreshortening has it: it must not be left behind.
-            move_stages(model, state, work, tables, level, h, constrained or iteration < _COUPLED_ITERATIONS)
+        # A reaction holds the joint where foreshortening has it: it must not be left behind.
+        coupled = constrained or iteration == 0 or before > _COARSE
+        move_stages(model, state, work, tables, level, h, coupled, coupled)
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
         set_tolerances(state, work, settings, h, n)
+        pieces = pieces_of_laws(model, state, work, n)
+        renewed = renewed or pieces != solved
+        if renewed:
+            solved = pieces
         size, apart = correct_loads(model, state, work, n, h, renewed)
-        if size == math.inf:
+        shrinking = size < _SHRINKING * before
+        size = max(size, apart)
+        if not size < _HOPELESS:
             return False
-        # A small correction leaves the matrix and all directions as they are; a second one in a row does not.
-        renewed = constrained or not (renewed and size < _SMALL and apart <= _CONVERGED)
         # Of the corrections to come, by the rate at which they shrink; but a relative velocity that is left in an ideal
         # joint would be a blow in the next step. A first correction may do without contacts and reactions, whose
         # directions are not known before.
-        size = max(size, apart)
         left = size * size / (before - size) if size < before < math.inf and not constrained else size
-        if min(left, size) <= _CONVERGED and (iteration > 0 or n == 0):
+        if min(left, size) <= (_CONVERGED_REACTIONS if constrained else _CONVERGED) and (iteration > 0 or n == 0):
             return True
+        renewed = (iteration > 0 and not shrinking) or iteration >= _KEPT_ITERATIONS
         before = size
     work.trial[0].joint = furthest_off(model, work, n)
     return False

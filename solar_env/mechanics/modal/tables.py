@@ -1,9 +1,10 @@
-"""How the modes of a panel answer a step of the two-stage Radau IIA method: one mode, and tables over step sizes.
+"""How the modes of a panel answer a step of the three-stage Radau IIA method: one mode, and tables over step sizes.
 
-y'' + 2 delta y' + omega^2 y = f. The stages are at a third of the step and at its end (E. Hairer and G. Wanner, Solving
-Ordinary Differential Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). A mode that
-the step resolves answers the load's collocation polynomial exactly. The others answer as the method makes them, which
-dampens what it cannot follow; exact values there, at arbitrary phases, would be unstable with ideal joints.
+y'' + 2 delta y' + omega^2 y = f. The stages are those of E. Hairer and G. Wanner, Solving Ordinary Differential
+Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last one is the step's end. A
+load's course over a step is the polynomial through its values at the stages. A mode answers it exactly, also where it
+vibrates several times in a step, if it is damped enough for errors to fade. The others answer as the method makes them,
+which dampens what it cannot follow; exact values there, at arbitrary phases, would be unstable.
 
 A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. So the modes form four groups,
 each of which sees the sum or the difference of the loads at the two ends, and one end's values tell the other's.
@@ -13,32 +14,69 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import record
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import load8, store8
 
 Array = NDArray[np.float64]
 
-# Stage s, load k: velocities gain h A[s][k] f_k, positions h^2 B[s][k] f_k, with B = A A.
-A = ((5.0 / 12.0, -1.0 / 12.0), (3.0 / 4.0, 1.0 / 4.0))
-B = ((1.0 / 9.0, -1.0 / 18.0), (1.0 / 2.0, 0.0))
-NODES = (1.0 / 3.0, 1.0)
-# Weights of the stages in an integral over the step.
-WEIGHT_A, WEIGHT_B = 0.75, 0.25
+STAGES = 3
+LAST = STAGES - 1
+NODES = ((4.0 - math.sqrt(6.0)) / 10.0, (4.0 + math.sqrt(6.0)) / 10.0, 1.0)
 
-# Rows of the coefficients of a mode: from its start value, from its start rate, and from the loads of the two stages.
-FROM_VALUE, FROM_RATE, FROM_LOAD = 0, 4, 8
-# Each has four: value and rate at the first stage, then at the second.
-COEFFICIENTS = 16
+
+def _polynomial(stage: int) -> Polynomial:
+    """The polynomial in the share of the step that is one at a stage and zero at the others."""
+    others = [node for k, node in enumerate(NODES) if k != stage]
+    whole = Polynomial.fromroots(others)
+    return whole / whole(NODES[stage])
+
+
+_POLYNOMIALS = [_polynomial(stage) for stage in range(STAGES)]
+# POLYNOMIAL[k][p]: coefficient of the power p in the share of the step, of the polynomial that is one at stage k.
+POLYNOMIAL = tuple(tuple(float(c) for c in one.coef) for one in _POLYNOMIALS)
+# Value at the start of the step, and rate at its end, of a course whose values at the stages are given.
+AT_START = tuple(row[0] for row in POLYNOMIAL)
+RATE_AT_START = tuple(row[1] for row in POLYNOMIAL)
+RATE_AT_END = tuple(float(one.deriv()(1.0)) for one in _POLYNOMIALS)
+# Stage s, load k: velocities gain h A[s][k] f_k, positions h^2 B[s][k] f_k, with B = A A.
+_A = np.array([[one.integ()(node) for one in _POLYNOMIALS] for node in NODES])
+A = tuple(map(tuple, _A.tolist()))
+B = tuple(map(tuple, (_A @ _A).tolist()))
+# Weights of the stages in an integral over the step.
+WEIGHTS = A[LAST]
+
+# Motion at the stages: values in the first LANES columns, rates in the others. A column that has no stage repeats the
+# last one.
+LANES = 4
+COLUMNS = 2 * LANES
+END_VALUE, END_RATE = LAST, LANES + LAST
+# Rows of the coefficients of a mode, COLUMNS each: from its start value, its start rate, and the loads at the stages.
+FROM_VALUE, FROM_RATE, FROM_LOAD = 0, COLUMNS, 2 * COLUMNS
+COEFFICIENTS = (2 + STAGES) * COLUMNS
+BY_LOAD = STAGES * COLUMNS
+
 # A step resolves a mode whose omega h is below this.
 RESOLVED = 2.0
+# Beyond it a mode is exact up to omega h of `Panels.exact` if its damping ratio is so large, and 2 delta h below
+# RESOLVED.
+_DAMPED = 0.02
+# Up to this omega h the Taylor series is used; beyond it loses digits, and the closed form has them.
+_SERIES = 3.0
 _TERMS = 26
 _NEGLIGIBLE = 1e-20  # part of what a term is added to
 
 # Tabled step sizes: the greatest [s], and their number; each is the one before over the square root of two.
 GREATEST_STEP = 0.032
 LEVELS = 50
+_SIZES = GREATEST_STEP * 2.0 ** (-0.5 * np.arange(LEVELS))
+
+# Errors of a vibration that is not resolved: of its rate, and of its value times its frequency. Either one vanishes at
+# some phases.
+DEFECTS = 2
 
 # Groups of modes. Values of an end: deflection and slope in bending, axial displacement (and nothing) in stretching.
 BENDING_EVEN, BENDING_ODD, AXIAL_EVEN, AXIAL_ODD = range(4)
@@ -62,37 +100,43 @@ mode_type = record(
 answer_type = record(
     [
         ("coefficient", np.float64, COEFFICIENTS),  # see COEFFICIENTS
-        ("defect", np.float64, 2),  # of the rate at the end by start value and by start rate
+        # Of the rate at the end by start value and by start rate; then of the value, times the frequency.
+        ("defect", np.float64, 2 * DEFECTS),
     ]
 )
+
+# Rows of what moves the modes to the end of a step: values, then rates, by start value, start rate and the loads.
+END_ROWS = 2 * (2 + STAGES)
 
 # How the ends answer the groups' loads in a step of one size.
 response_type = record(
     [
-        # Of value i by load j of a group: [4 load stage + 2 stage + (value or rate)].
-        ("response", np.float64, (GROUPS, VALUES, VALUES, 8)),
-        # Defect of the rate of the first value by load j at the start: what the load holds in place does not vibrate.
-        ("held", np.float64, (GROUPS, VALUES)),
+        # Of value i by load j of a group, COLUMNS for the load at each stage.
+        ("response", np.float64, (GROUPS, VALUES, VALUES, BY_LOAD)),
+        # Defects of the first value by load j at the start: what the load holds in place does not vibrate.
+        ("held", np.float64, (DEFECTS, GROUPS, VALUES)),
+        ("unresolved", np.int64),  # number of modes with a defect
     ]
 )
 
-# Scratch of a panel in a step. Columns of four: value and rate at the first stage, then at the second.
+# Scratch of a panel in a step; last axes of LANES are stages, those of COLUMNS values and rates at the stages.
 panel_scratch = record(
     [
-        ("load", np.float64, (2, GROUPS, VALUES)),  # of the ends, by stage: transverse force and moment, or axial force
-        # Forces of foreshortening by stage: on the coupled modes, and on the rest of the end values, whose forces load
-        # all modes, the coupled ones too, where the former take them back.
-        ("coupling", np.float64, (2, GROUPS, LOW)),
-        # Rates of the coupled axial amplitudes less those of foreshortening, by stage.
-        ("strain_rate", np.float64, (2, GROUPS, LOW)),
-        ("free", np.float64, (GROUPS, VALUES, 4)),  # free motion of the ends
-        ("defect", np.float64, GROUPS),  # of the first value's rate at the end of the step
-        ("ends", np.float64, (GROUPS, VALUES, 4)),  # motion of the ends
-        ("low_free", np.float64, (GROUPS, LOW, 4)),  # free motion of the modes that foreshortening couples
-        ("low", np.float64, (GROUPS, LOW, 4)),  # motion of the coupled coordinates
-        ("gradient", np.float64, (2, 2, LOW, FORMS)),  # of the forms by those of bending, by stage
-        ("shortening", np.float64, (2, 2, FORMS)),  # values of the forms and their rates, by stage
-        ("tension", np.float64, FORMS),  # that works on the forms
+        # Of the ends at the stages: transverse force and moment, or axial force.
+        ("load", np.float64, (GROUPS, VALUES, LANES)),
+        # Forces of foreshortening at the stages: on the coupled modes, and on the rest of the end values, whose forces
+        # load all modes, the coupled ones too, where the former take them back.
+        ("coupling", np.float64, (GROUPS, LOW, LANES)),
+        # Rates of the coupled axial amplitudes less those of foreshortening, at the end.
+        ("strain_rate", np.float64, (GROUPS, LOW)),
+        ("free", np.float64, (GROUPS, VALUES, COLUMNS)),  # free motion of the ends
+        ("defect", np.float64, (DEFECTS, GROUPS)),  # of the first value at the end of the step, free
+        ("ends", np.float64, (GROUPS, VALUES, COLUMNS)),  # motion of the ends
+        ("low_free", np.float64, (GROUPS, LOW, COLUMNS)),  # free motion of the modes that foreshortening couples
+        ("low", np.float64, (GROUPS, LOW, COLUMNS)),  # motion of the coupled coordinates
+        ("gradient", np.float64, (2, LOW, FORMS, LANES)),  # of the forms by the coordinates of bending
+        ("shortening", np.float64, (FORMS, COLUMNS)),  # values of the forms and their rates
+        ("tension", np.float64, (FORMS, LANES)),  # that works on the forms
     ]
 )
 
@@ -104,10 +148,14 @@ class Panels(NamedTuple):
     kept: NDArray[np.int64]  # (2,) number of bending modes that are kept; behind them come the pseudo-modes
     coupled: NDArray[np.int64]  # (GROUPS,) number of lowest modes that foreshortening couples
     damping: Array  # (D,) retardation time [s]
+    exact: float  # omega h up to which a damped mode is exact
     modes: NDArray[np.void]  # (D, modes) rows of `mode_type`
     # (D, 2, LOW, LOW, FORMS) by coordinate of a bending group and of its partner: the same group for the odd forms, the
     # other one for the even forms.
     forms: Array
+
+    shapes: Array  # (D, VALUES, modes) values of the first end by unit amplitude, as in the records
+    square: Array  # (D, modes) squared frequencies [1/s2]
 
     @property
     def frequency(self) -> Array:
@@ -121,91 +169,143 @@ class Panels(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Answers of the modes and of the groups' ends to a step, by design and step size (levels)."""
+    """Answers of D designs' modes, and of the groups' ends, to steps of L sizes (levels), in the order of their use."""
 
-    answers: NDArray[np.void]  # (D, levels, modes) rows of `answer_type`
-    responses: NDArray[np.void]  # (D, levels) rows of `response_type`
+    answers: NDArray[np.void]  # (1,) scratch, of `answer_type`
+    free: Array  # (D, L, modes, 2 COLUMNS) motion at the stages by start value and start rate
+    forced: Array  # (D, L, GROUPS, LOW, BY_LOAD) motion at the stages of the coupled modes by their loads
+    ends: Array  # (D, L, END_ROWS, modes) motion at the end, see END_ROWS
+    defects: Array  # (D, L, DEFECTS, 2, modes) of the first end's motion by start value and start rate of a mode
+    responses: NDArray[np.void]  # (D, L) rows of `response_type`
 
 
 def make_tables(panels: Panels, levels: int) -> Tables:
     """Allocate tables."""
     designs, modes = panels.modes.shape
-    return Tables(np.zeros((designs, levels, modes), answer_type), np.zeros((designs, levels), response_type))
+    shape = (designs, levels)
+    return Tables(
+        answers=np.zeros(1, answer_type),
+        free=np.zeros((*shape, modes, 2 * COLUMNS)),
+        forced=np.zeros((*shape, GROUPS, LOW, BY_LOAD)),
+        ends=np.zeros((*shape, END_ROWS, modes)),
+        defects=np.zeros((*shape, DEFECTS, 2, modes)),
+        responses=np.zeros(shape, response_type),
+    )
 
 
 @kernel
 def exact_coefficients(frequency, damping_rate, h, coefficients):
     """Fill (COEFFICIENTS,) for a mode that the step resolves: by its Taylor series, whose terms fall as 1/n!."""
     square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
-    for case in range(4):
-        # Start value, start rate, then the loads 1.5 - 1.5 t and -0.5 + 1.5 t, which are one at their own stage.
-        c = 1.0 if case == 0 else 0.0
-        following = h if case == 1 else 0.0
-        load0, load1 = 0.0, 0.0
-        if case == 2:
-            load0, load1 = 1.5 * h * h, -1.5 * h * h
-        elif case == 3:
-            load0, load1 = -0.5 * h * h, 1.5 * h * h
-        y1, r1, y2, r2 = c, following, c, following
-        third = 1.0
+    for case in range(2 + STAGES):
+        row = coefficients[COLUMNS * case : COLUMNS * (case + 1)]
         scale = 1.0 if case == 0 else (h if case == 1 else h * h)
+        first, second = 1.0 if case == 0 else 0.0, h if case == 1 else 0.0
+        for s in range(LANES):
+            row[s], row[LANES + s] = first + NODES[min(s, LAST)] * second, second
+        # From the terms of the powers n and n + 1 follows that of n + 2.
+        first_power, second_power = NODES[0], NODES[1]
         for n in range(_TERMS):
-            load = load0 if n == 0 else (load1 if n == 1 else 0.0)
-            # First the term in t^(n + 1), whose coefficient is known; then the coefficient of t^(n + 2).
-            y2 += following
-            y1 += following * third / 3.0
-            third /= 3.0
-            c, following = following, (load - damping * (n + 1) * following - square * c) / ((n + 2) * (n + 1))
-            r2 += (n + 2) * following
-            r1 += (n + 2) * following * third
-            if n > 1 and abs(c) + abs(following) < _NEGLIGIBLE * scale:
+            load = h * h * POLYNOMIAL[case - 2][n] if case >= 2 and n < STAGES else 0.0
+            following = (load - damping * (n + 1) * second - square * first) / ((n + 2) * (n + 1))
+            rate = following * (n + 2)
+            row[LANES] += rate * first_power
+            row[LANES + 1] += rate * second_power
+            row[LANES + LAST] += rate
+            first_power, second_power = first_power * NODES[0], second_power * NODES[1]
+            row[0] += following * first_power
+            row[1] += following * second_power
+            row[LAST] += following
+            first, second = second, following
+            if n > STAGES and abs(first) + abs(second) < _NEGLIGIBLE * scale:
                 break
-        coefficients[4 * case] = y1
-        coefficients[4 * case + 1] = r1 / h
-        coefficients[4 * case + 2] = y2
-        coefficients[4 * case + 3] = r2 / h
+        row[LANES - 1], row[COLUMNS - 1] = row[LAST], row[LANES + LAST]
+        for s in range(LANES):
+            row[LANES + s] /= h
+
+
+@kernel
+def closed_coefficients(frequency, damping_rate, h, coefficients):
+    """Fill (COEFFICIENTS,) for an underdamped mode: free vibration about what a load's polynomial holds in place."""
+    square, inverse = frequency * frequency, 1.0 / h
+    damped = math.sqrt(square - damping_rate * damping_rate)
+    for s in range(LANES):
+        share = NODES[min(s, LAST)]
+        decay = math.exp(-damping_rate * share * h)
+        cosine, sine = decay * math.cos(damped * share * h), decay * math.sin(damped * share * h) / damped
+        value_by_value, value_by_rate = cosine + damping_rate * sine, sine
+        rate_by_value, rate_by_rate = -square * sine, cosine - damping_rate * sine
+        coefficients[FROM_VALUE + s], coefficients[FROM_VALUE + LANES + s] = value_by_value, rate_by_value
+        coefficients[FROM_RATE + s], coefficients[FROM_RATE + LANES + s] = value_by_rate, rate_by_rate
+        for k in range(STAGES):
+            # The particular solution is a polynomial in the share, from its highest power down.
+            held = held_rate = next_power = next_but_one = 0.0
+            for down in range(STAGES):
+                p = LAST - down
+                term = POLYNOMIAL[k][p] - 2.0 * damping_rate * (p + 1) * next_power * inverse
+                term = (term - (p + 2) * (p + 1) * next_but_one * inverse * inverse) / square
+                held_rate = held_rate * share + held
+                held = held * share + term
+                next_power, next_but_one = term, next_power
+            start, start_rate = -next_power, -next_but_one * inverse
+            row = FROM_LOAD + COLUMNS * k + s
+            coefficients[row] = value_by_value * start + value_by_rate * start_rate + held
+            coefficients[row + LANES] = rate_by_value * start + rate_by_rate * start_rate + held_rate * inverse
 
 
 @kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
-    """Fill (COEFFICIENTS,) as the Radau IIA method answers."""
+    """Fill (COEFFICIENTS,) as the Radau IIA method answers: by the accelerations at the stages, three equations."""
     square, damping = frequency * frequency, 2.0 * damping_rate
-    m11 = 1.0 + h * (damping * A[0][0] + square * h * B[0][0])
-    m12 = h * (damping * A[0][1] + square * h * B[0][1])
-    m21 = h * (damping * A[1][0] + square * h * B[1][0])
-    m22 = 1.0 + h * (damping * A[1][1] + square * h * B[1][1])
-    inverse = 1.0 / (m11 * m22 - m12 * m21)
-    for case in range(4):
+    (a11, a12, a13), (a21, a22, a23), (a31, a32, a33) = A
+    (b11, b12, b13), (b21, b22, b23), (b31, b32, b33) = B
+    d, k = damping * h, square * h * h
+    m11, m12, m13 = 1.0 + d * a11 + k * b11, d * a12 + k * b12, d * a13 + k * b13
+    m21, m22, m23 = d * a21 + k * b21, 1.0 + d * a22 + k * b22, d * a23 + k * b23
+    m31, m32, m33 = d * a31 + k * b31, d * a32 + k * b32, 1.0 + d * a33 + k * b33
+    c11, c12, c13 = m22 * m33 - m23 * m32, m13 * m32 - m12 * m33, m12 * m23 - m13 * m22
+    c21, c22, c23 = m23 * m31 - m21 * m33, m11 * m33 - m13 * m31, m13 * m21 - m11 * m23
+    c31, c32, c33 = m21 * m32 - m22 * m31, m12 * m31 - m11 * m32, m11 * m22 - m12 * m21
+    inverse = 1.0 / (m11 * c11 + m12 * c21 + m13 * c31)
+    for case in range(2 + STAGES):
         y0 = 1.0 if case == 0 else 0.0
         v0 = 1.0 if case == 1 else 0.0
-        f1 = 1.0 if case == 2 else 0.0
-        f2 = 1.0 if case == 3 else 0.0
-        f1 -= damping * v0 + square * (y0 + h * v0 * NODES[0])
-        f2 -= damping * v0 + square * (y0 + h * v0)
-        a1 = (m22 * f1 - m12 * f2) * inverse
-        a2 = (m11 * f2 - m21 * f1) * inverse
-        coefficients[4 * case] = y0 + h * (v0 * NODES[0] + h * (B[0][0] * a1 + B[0][1] * a2))
-        coefficients[4 * case + 1] = v0 + h * (A[0][0] * a1 + A[0][1] * a2)
-        coefficients[4 * case + 2] = y0 + h * (v0 + h * (B[1][0] * a1 + B[1][1] * a2))
-        coefficients[4 * case + 3] = v0 + h * (A[1][0] * a1 + A[1][1] * a2)
+        f1 = (1.0 if case == 2 else 0.0) - damping * v0 - square * (y0 + h * v0 * NODES[0])
+        f2 = (1.0 if case == 3 else 0.0) - damping * v0 - square * (y0 + h * v0 * NODES[1])
+        f3 = (1.0 if case == 4 else 0.0) - damping * v0 - square * (y0 + h * v0 * NODES[2])
+        g1 = (c11 * f1 + c12 * f2 + c13 * f3) * inverse
+        g2 = (c21 * f1 + c22 * f2 + c23 * f3) * inverse
+        g3 = (c31 * f1 + c32 * f2 + c33 * f3) * inverse
+        row = COLUMNS * case
+        for s in range(LANES):
+            at = min(s, LAST)
+            moved = B[at][0] * g1 + B[at][1] * g2 + B[at][2] * g3
+            coefficients[row + s] = y0 + h * (v0 * NODES[at] + h * moved)
+            coefficients[row + LANES + s] = v0 + h * (A[at][0] * g1 + A[at][1] * g2 + A[at][2] * g3)
 
 
 @kernel(inlined=False)
-def fill_answer(frequency, damping_rate, h, answer):
-    """Fill an `answer_type` of a mode for a step `h` [s]."""
-    coefficients = answer.coefficient
-    answer.defect[0], answer.defect[1] = 0.0, 0.0
-    if frequency * h < RESOLVED and 2.0 * damping_rate * h < RESOLVED:
-        exact_coefficients(frequency, damping_rate, h, coefficients)
+def fill_answer(frequency, damping_rate, exact, h, answer):
+    """Fill an `answer_type` of a mode for a step `h` [s]; a damped one is exact for omega h up to `exact`."""
+    coefficients, phase = answer.coefficient, frequency * h
+    for c in range(2 * DEFECTS):
+        answer.defect[c] = 0.0
+    short, underdamped = 2.0 * damping_rate * h < RESOLVED, frequency > damping_rate
+    if short and (phase < RESOLVED or (underdamped and phase < exact and damping_rate > _DAMPED * frequency)):
+        if phase < _SERIES:
+            exact_coefficients(frequency, damping_rate, h, coefficients)
+        else:
+            closed_coefficients(frequency, damping_rate, h, coefficients)
         return
     rational_coefficients(frequency, damping_rate, h, coefficients)
-    underdamped = frequency * frequency - damping_rate * damping_rate
-    if underdamped > 0.0:
-        damped = math.sqrt(underdamped)
+    if underdamped:
+        damped = math.sqrt(frequency * frequency - damping_rate * damping_rate)
         decay = math.exp(-damping_rate * h)
         sine, cosine = decay * math.sin(damped * h) / damped, decay * math.cos(damped * h)
-        answer.defect[0] = -frequency * frequency * sine - coefficients[FROM_VALUE + 3]
-        answer.defect[1] = cosine - damping_rate * sine - coefficients[FROM_RATE + 3]
+        answer.defect[0] = -frequency * frequency * sine - coefficients[FROM_VALUE + END_RATE]
+        answer.defect[1] = cosine - damping_rate * sine - coefficients[FROM_RATE + END_RATE]
+        answer.defect[2] = frequency * (cosine + damping_rate * sine - coefficients[FROM_VALUE + END_VALUE])
+        answer.defect[3] = frequency * (sine - coefficients[FROM_RATE + END_VALUE])
 
 
 @kernel
@@ -221,46 +321,70 @@ def side(end):
 
 
 @kernel
-def add_mode(mode, answer, group, own):
+def add_mode(mode, answer, group, responses):
     """Add what a mode of a group does to the responses of a step size."""
-    held = answer.defect[0] * mode.row[0] / (mode.frequency * mode.frequency)
     for i in range(values_of(group)):
         for j in range(values_of(group)):
-            product = mode.row[i] * mode.row[j]
-            for c in range(8):
-                own.response[group, i, j, c] += product * answer.coefficient[FROM_LOAD + c]
-        own.held[group, i] -= held * mode.row[i]
+            product, row = mode.row[i] * mode.row[j], responses.response[group, i, j]
+            for k in range(STAGES):
+                moved = load8(answer.coefficient, FROM_LOAD + COLUMNS * k)
+                store8(row, COLUMNS * k, load8(row, COLUMNS * k) + product * moved)
+        for kind in range(DEFECTS):
+            held = answer.defect[2 * kind] * mode.row[0] / (mode.frequency * mode.frequency)
+            responses.held[kind, group, i] -= held * mode.row[i]
+    responses.unresolved += answer.defect[0] != 0.0
+
+
+@kernel
+def keep_answer(tables, mode, d, level, k, answer):
+    """Copy the answer of mode `k` to the tables."""
+    coefficients = answer.coefficient
+    for c in range(2 * COLUMNS):
+        tables.free[d, level, k, c] = coefficients[c]
+    for case in range(2 + STAGES):
+        tables.ends[d, level, case, k] = coefficients[COLUMNS * case + END_VALUE]
+        tables.ends[d, level, 2 + STAGES + case, k] = coefficients[COLUMNS * case + END_RATE]
+    for kind in range(DEFECTS):
+        for case in range(2):
+            tables.defects[d, level, kind, case, k] = mode.row[0] * answer.defect[2 * kind + case]
 
 
 @kernel(inlined=False)
 def fill_level(panels, tables, level, h):
     """Fill one level of the tables of every design for the step size `h` [s]."""
+    answer = tables.answers[0]
     for d in range(panels.damping.size):
-        own = tables.responses[d, level]
+        responses = tables.responses[d, level]
+        responses.unresolved = 0
         for group in range(GROUPS):
             for i in range(VALUES):
-                own.held[group, i] = 0.0
+                for kind in range(DEFECTS):
+                    responses.held[kind, group, i] = 0.0
                 for j in range(VALUES):
-                    for c in range(8):
-                        own.response[group, i, j, c] = 0.0
+                    for c in range(BY_LOAD):
+                        responses.response[group, i, j, c] = 0.0
             for k in range(panels.first[group], panels.first[group + 1]):
-                mode, answer = panels.modes[d, k], tables.answers[d, level, k]
+                mode, r = panels.modes[d, k], k - panels.first[group]
                 rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
-                fill_answer(mode.frequency, rate, h, answer)
-                add_mode(mode, answer, group, own)
+                fill_answer(mode.frequency, rate, panels.exact, h, answer)
+                keep_answer(tables, mode, d, level, k, answer)
+                if r < panels.coupled[group]:
+                    for c in range(BY_LOAD):
+                        tables.forced[d, level, group, r, c] = answer.coefficient[FROM_LOAD + c]
+                add_mode(mode, answer, group, responses)
 
 
 @kernel
 def level_size(level):
     """Step size [s] of a level."""
-    return GREATEST_STEP * 2.0 ** (-0.5 * level)
+    return _SIZES[level]
 
 
 @kernel
 def level_below(h):
     """Level of the greatest tabled step size that does not exceed `h` [s]; LEVELS if there is none."""
     level = 0
-    while level < LEVELS and level_size(level) > h * (1.0 + 1e-12):
+    while level < LEVELS and _SIZES[level] > h * (1.0 + 1e-12):
         level += 1
     return level
 

@@ -1,4 +1,4 @@
-"""Unknown loads of a step, and how the joints' motion at both stages answers them.
+"""Unknown loads of a step, and how the joints' motion at the stages answers them.
 
 A unit of an unknown loads the two bodies of its joint. By reciprocity, the same row of loads reads off the motion that
 the unknown works on: a joint angle, minus a depth, a sliding speed, a component of the relative velocity.
@@ -9,28 +9,53 @@ import math
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.joints.torques import known_stiffness, may_be_stiff
 from solar_env.mechanics.modal.arrays import (
+    ACROSS_X,
+    ACROSS_Y,
     CABLE_ROW,
     FACES,
+    LEVER,
     NORMAL_ROW,
+    NORMAL_X,
+    NORMAL_Y,
     REACTION_X_ROW,
     REACTION_Y_ROW,
     RIGID_BODY,
-    SECOND,
     TANGENTIAL_ROW,
     TORQUE_ROW,
 )
-from solar_env.mechanics.modal.motion import cable_attachment, face_load, force_of, outboard_load
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, A, B, side
+from solar_env.mechanics.modal.motion import (
+    PLACE_BY_LOAD,
+    VELOCITY_BY_LOAD,
+    cable_attachment,
+    face_load,
+    force_of,
+    outboard_load,
+)
+from solar_env.mechanics.modal.tables import (
+    AXIAL_EVEN,
+    AXIAL_ODD,
+    BENDING_EVEN,
+    BENDING_ODD,
+    COLUMNS,
+    END_RATE,
+    END_VALUE,
+    LAST,
+    STAGES,
+    side,
+)
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.vectors import joined, load4, load8, splat8, store8
 
 # Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
 _SOFT = 0.05
-# A load that is off by the deviation of its course from the collocation polynomial moves its body by a twelfth of what
-# the same load would if it were constant: the second integral of (1 - 3 t)(1 - t), over one half.
+# Share of the velocity by a constant load that counts where a load's course is off by as much at the start of a step:
+# at the stages it is exact, and its integral over the step is of higher order.
 DEVIATION = 1.0 / 12.0
 # Least torque ratio of a cable loop that tells of errors at the inner wheel.
 _LEAST_RATIO = 1e-3
+# Step [s] below which what a joint's loads do to others is left to the iteration.
+_APART = 5e-4
 
 
 @kernel
@@ -44,19 +69,22 @@ def effect_of_torque(model, tables, level, h, j):
         velocity += math.hypot(attachment.x, attachment.y) * body.inverse_inertia * h
         if body.panel != RIGID_BODY:
             response = tables.responses[body.design, level].response
-            even, odd = response[BENDING_EVEN, 1, 1], response[BENDING_ODD, 1, 1]
-            angle += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
-            even, odd = response[BENDING_EVEN, 0, 1], response[BENDING_ODD, 0, 1]
-            velocity += abs(even[3] + odd[3] + even[7] + odd[7])
+            turned, moved = 0.0, 0.0
+            for k in range(STAGES):
+                value, rate = COLUMNS * k + END_VALUE, COLUMNS * k + END_RATE
+                turned += abs(response[BENDING_EVEN, 1, 1, value] + response[BENDING_ODD, 1, 1, value])
+                moved += response[BENDING_EVEN, 0, 1, rate] + response[BENDING_ODD, 0, 1, rate]
+            angle += turned
+            velocity += abs(moved)
     return angle, velocity
 
 
 @kernel
 def list_unknown(model, work, r, kind, j, number):
     """Enter unknown `r` of joint `j`, the load `number`; returns how many unknowns there are then."""
-    own, joint = work.unknowns[r], model.joints[j]
-    own.kind, own.owner, own.number, own.faces = kind, j, number, 2
-    own.attachment[0], own.attachment[1] = joint.outboard, joint.inboard
+    unknown, joint = work.unknowns[r], model.joints[j]
+    unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, j, number, 2
+    unknown.attachment[0], unknown.attachment[1] = joint.outboard, joint.inboard
     return r + 1
 
 
@@ -88,112 +116,133 @@ def list_rows(model, state, work, tables, level, h):
         give += max(cable.wheel_ratio, 1.0) * max(cable.torque_ratio, 1.0) * work.joints[cable.joint_a].angle_by_torque
         torque.unknown = cable.stiffness * give > _SOFT
         if torque.unknown:
-            own = work.unknowns[n]
-            own.kind, own.owner, own.number, own.faces = CABLE_ROW, c, model.joints.size + c, FACES
+            unknown = work.unknowns[n]
+            unknown.kind, unknown.owner, unknown.number, unknown.faces = CABLE_ROW, c, model.joints.size + c, FACES
             for face in range(FACES):
-                own.attachment[face] = cable_attachment(model, cable, face)
+                unknown.attachment[face] = cable_attachment(model, cable, face)
             n += 1
+    mark_blocks(work, n, h)
     return n
 
 
 @kernel
+def mark_blocks(work, n, h):
+    """Enter the unknowns that Newton's matrix couples with each one: all, or in short steps those of one joint."""
+    apart = h < _APART
+    for r in range(n):
+        apart = apart and work.unknowns[r].kind not in (CABLE_ROW, REACTION_X_ROW, REACTION_Y_ROW)
+    first = 0
+    for r in range(n):
+        if apart and work.unknowns[r].owner != work.unknowns[first].owner:
+            first = r
+        work.unknowns[r].first = first
+    end = n
+    for up in range(n):
+        r = n - 1 - up
+        work.unknowns[r].end = end
+        if work.unknowns[r].first == r:
+            end = r
+
+
+@kernel
 def enter_load(model, work, number, fx, fy, torque, load):
-    """Enter a load on an attachment as its body's frame has it, in the directions of the second stage."""
-    body, local = work.bodies[model.attachments[number].body], work.attachments[number].local
-    c, s = body.turn[SECOND, 0], body.turn[SECOND, 1]
+    """Enter a load on an attachment as its body's frame has it, in the directions of the last stage."""
+    turn, local = work.bodies[model.attachments[number].body].turn, work.attachments[number].local
+    c, s = turn[0, LAST], turn[1, LAST]
     along, across = c * fx + s * fy, c * fy - s * fx
     load[0], load[1], load[2] = along, across, torque
-    load[3] = torque + local[SECOND, 0] * across - local[SECOND, 1] * along
+    load[3] = torque + local[0, LAST] * across - local[1, LAST] * along
 
 
 @kernel
 def fill_unit_loads(model, work, n):
-    """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
+    """Unit loads of the unknowns in the frames of their bodies, as the last stage has them."""
     for r in range(n):
-        own = work.unknowns[r]
-        if own.kind == CABLE_ROW:
-            cable, motion = model.cables[own.owner], work.cables[own.owner].motion[SECOND]
+        unknown = work.unknowns[r]
+        if unknown.kind == CABLE_ROW:
+            cable, motion = model.cables[unknown.owner], work.cables[unknown.owner].motion
+            x, y = motion[ACROSS_X, LAST], motion[ACROSS_Y, LAST]
             for face in range(FACES):
-                fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.torque_ratio)
-                enter_load(model, work, own.attachment[face], fx, fy, torque, own.load[face])
-                fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.wheel_ratio)
-                enter_load(model, work, own.attachment[face], fx, fy, torque, own.reading[face])
+                fx, fy, torque = face_load(model, cable, x, y, face, 1.0, cable.torque_ratio)
+                enter_load(model, work, unknown.attachment[face], fx, fy, torque, unknown.load[face])
+                fx, fy, torque = face_load(model, cable, x, y, face, 1.0, cable.wheel_ratio)
+                enter_load(model, work, unknown.attachment[face], fx, fy, torque, unknown.reading[face])
         else:
-            first = 1.0 if own.kind in (NORMAL_ROW, REACTION_X_ROW) else 0.0
-            second = 1.0 if own.kind in (TANGENTIAL_ROW, REACTION_Y_ROW) else 0.0
-            torque = 1.0 if own.kind == TORQUE_ROW else 0.0
-            joint, motion = model.joints[own.owner], work.joints[own.owner].motion[SECOND]
-            fx, fy, outboard, inboard = outboard_load(joint, motion, first, second, torque)
+            first = 1.0 if unknown.kind in (NORMAL_ROW, REACTION_X_ROW) else 0.0
+            second = 1.0 if unknown.kind in (TANGENTIAL_ROW, REACTION_Y_ROW) else 0.0
+            torque = 1.0 if unknown.kind == TORQUE_ROW else 0.0
+            joint, motion = model.joints[unknown.owner], work.joints[unknown.owner].motion
+            nx, ny, lever = motion[NORMAL_X, LAST], motion[NORMAL_Y, LAST], motion[LEVER, LAST]
+            fx, fy, outboard, inboard = outboard_load(joint, nx, ny, lever, first, second, torque)
             for face in range(2):
                 sign, torque = (1.0, outboard) if face == 0 else (-1.0, inboard)
-                enter_load(model, work, own.attachment[face], sign * fx, sign * fy, torque, own.load[face])
-                copy_into(own.reading[face], own.load[face])
+                enter_load(model, work, unknown.attachment[face], sign * fx, sign * fy, torque, unknown.load[face])
+                copy_into(unknown.reading[face], unknown.load[face])
 
 
 @kernel
 def move_ends(response, load, odd, motion):
     """Motion of both ends of a panel, along, across and turning, by a load at the end where `odd` is `side`."""
     along, across, torque = load[0], load[1], load[2]
-    for c in range(8):
-        even = response[BENDING_EVEN, 0, 0, c] * across + response[BENDING_EVEN, 0, 1, c] * odd * torque
-        other = response[BENDING_ODD, 0, 0, c] * odd * across + response[BENDING_ODD, 0, 1, c] * torque
-        motion[0, 1, c], motion[1, 1, c] = even + other, even - other
-        even = response[BENDING_EVEN, 1, 0, c] * across + response[BENDING_EVEN, 1, 1, c] * odd * torque
-        other = response[BENDING_ODD, 1, 0, c] * odd * across + response[BENDING_ODD, 1, 1, c] * torque
-        motion[0, 2, c], motion[1, 2, c] = other + even, other - even
-        even, other = response[AXIAL_EVEN, 0, 0, c] * along, response[AXIAL_ODD, 0, 0, c] * odd * along
-        motion[0, 0, c], motion[1, 0, c] = even + other, even - other
-
-
-@kernel
-def add_shared(body, first, second, motion, rigid, shared):
-    """Add what unit load `second` on a body does to the motion that unit load `first` works on.
-
-    `motion` is that of the end at which the first one acts, by the second one.
-    """
-    share = (first[0] * second[0] + first[1] * second[1]) * body.inverse_mass
-    share += first[3] * second[3] * body.inverse_inertia
-    for c in range(8):
-        shared[c] += share * rigid[c]
-    if body.panel != RIGID_BODY:
-        along, across, torque = first[0], first[1], first[2]
-        for c in range(8):
-            shared[c] += along * motion[0, c] + across * motion[1, c] + torque * motion[2, c]
+    for k in range(STAGES):
+        c = COLUMNS * k
+        even = load8(response[BENDING_EVEN, 0, 0], c) * across + load8(response[BENDING_EVEN, 0, 1], c) * (odd * torque)
+        other = load8(response[BENDING_ODD, 0, 0], c) * (odd * across) + load8(response[BENDING_ODD, 0, 1], c) * torque
+        store8(motion[0, 1], c, even + other)
+        store8(motion[1, 1], c, even - other)
+        even = load8(response[BENDING_EVEN, 1, 0], c) * across + load8(response[BENDING_EVEN, 1, 1], c) * (odd * torque)
+        other = load8(response[BENDING_ODD, 1, 0], c) * (odd * across) + load8(response[BENDING_ODD, 1, 1], c) * torque
+        store8(motion[0, 2], c, other + even)
+        store8(motion[1, 2], c, other - even)
+        even, other = load8(response[AXIAL_EVEN, 0, 0], c) * along, load8(response[AXIAL_ODD, 0, 0], c) * (odd * along)
+        store8(motion[0, 0], c, even + other)
+        store8(motion[1, 0], c, even - other)
 
 
 @kernel
 def share_motion(model, work, p, q):
-    """Fill the motion that unknown `p` reads off by a unit of unknown `q`."""
-    shared = work.mobility[p, q].response
-    for c in range(8):
-        shared[c] = 0.0
-    own, other = work.unknowns[p], work.unknowns[q]
-    for face in range(own.faces):
-        first = model.attachments[own.attachment[face]]
-        body = model.bodies[first.body]
+    """Fill the motion that unknown `p` reads off by a unit of unknown `q`: of the bodies that both load."""
+    one, other = work.unknowns[p], work.unknowns[q]
+    first, second, third = splat8(0.0), splat8(0.0), splat8(0.0)
+    for face in range(one.faces):
+        attachment, reading = model.attachments[one.attachment[face]], one.reading[face]
+        body = model.bodies[attachment.body]
         for opposite in range(other.faces):
-            if model.attachments[other.attachment[opposite]].body == first.body:
-                motion = other.motion[opposite, first.end]
-                add_shared(body, own.reading[face], other.load[opposite], motion, work.rigid, shared)
+            if model.attachments[other.attachment[opposite]].body == attachment.body:
+                load = other.load[opposite]
+                share = (reading[0] * load[0] + reading[1] * load[1]) * body.inverse_mass
+                share += reading[3] * load[3] * body.inverse_inertia
+                first = first + share * load8(work.rigid, 0)
+                second = second + share * load8(work.rigid, COLUMNS)
+                third = third + share * load8(work.rigid, 2 * COLUMNS)
+                if body.panel != RIGID_BODY:
+                    motion = other.motion[opposite, attachment.end]
+                    for i in range(3):
+                        first = first + reading[i] * load8(motion[i], 0)
+                        second = second + reading[i] * load8(motion[i], COLUMNS)
+                        third = third + reading[i] * load8(motion[i], 2 * COLUMNS)
+    shared = work.mobility[p, q].response
+    store8(shared, 0, first)
+    store8(shared, COLUMNS, second)
+    store8(shared, 2 * COLUMNS, third)
 
 
 @kernel
 def fill_mobility(model, work, tables, level, h, n):
-    """Motion that each unknown works on by a unit of each other, at both stages."""
+    """Motion that each unknown works on by a unit of each other in its block, at the stages."""
     fill_unit_loads(model, work, n)
-    for s in range(2):
-        for k in range(2):
-            work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
+    for k in range(STAGES):
+        store8(work.rigid, COLUMNS * k, joined(h * h * load4(PLACE_BY_LOAD[k], 0), h * load4(VELOCITY_BY_LOAD[k], 0)))
     for q in range(n):
-        own = work.unknowns[q]
-        for face in range(own.faces):
-            attachment = model.attachments[own.attachment[face]]
+        unknown = work.unknowns[q]
+        for face in range(unknown.faces):
+            attachment = model.attachments[unknown.attachment[face]]
             body = model.bodies[attachment.body]
             if body.panel != RIGID_BODY:
                 response = tables.responses[body.design, level].response
-                move_ends(response, own.load[face], side(attachment.end), own.motion[face])
+                move_ends(response, unknown.load[face], side(attachment.end), unknown.motion[face])
     for p in range(n):
-        for q in range(p + 1):
+        for q in range(work.unknowns[p].first, p + 1):
             share_motion(model, work, p, q)
             if work.unknowns[p].kind == CABLE_ROW or work.unknowns[q].kind == CABLE_ROW:
                 share_motion(model, work, q, p)

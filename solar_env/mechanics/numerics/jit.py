@@ -1,6 +1,6 @@
 """The project's kernels: compiled by Numba with an on-disk cache that cannot go stale.
 
-Numba's own cache notices an edit of the file that holds a function, but not of the files whose functions it
+Numba's cache notices an edit of the file that holds a function, but not of the files whose functions it
 calls; cached callers would go on running the old code. Here the cache folder of a kernel carries a hash of its source
 file and of every file of the package that this imports, so that any edit compiles afresh what depends on it.
 """

@@ -8,7 +8,7 @@ from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import record_contact
 
-# A contact counts as an impact, to be resolved by steps of its own, for this many predicted durations.
+# A contact counts as an impact, to be resolved by shorter steps, for this many predicted durations.
 IMPACT_DURATIONS = 2.0
 
 

@@ -5,7 +5,6 @@ import os
 import time
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cached_property
-from typing import Any
 
 import numba
 import numpy as np
@@ -71,18 +70,18 @@ class Batch:
         for lane, simulation in enumerate(simulations):
             self.replace(lane, simulation)
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """For copies and pickles: threads stay behind."""
         return {name: value for name, value in vars(self).items() if name != "_threads"}
 
-    def __setstate__(self, values: dict[str, Any]) -> None:
+    def __setstate__(self, values: dict[str, object]) -> None:
         """Let the copied simulations share their memory with the copied lanes again."""
         vars(self).update(values)
         for lane, simulation in enumerate(self.simulations):
             simulation.move_to(lane_view(self.models, lane), lane_view(self.states, lane))
 
     def replace(self, lane: int, simulation: Simulation) -> None:
-        """Put another simulation into a lane; that which was there goes on alone, with arrays of its own.
+        """Put another simulation into a lane; that which was there goes on alone, with a copy of the arrays.
 
         Raises:
             ValueError: if the integrator or the structure of the mechanism is another.

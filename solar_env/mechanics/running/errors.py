@@ -18,7 +18,7 @@ class SimulationError(RuntimeError):
         self.time = time
         self.reason = reason
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Pickle with all arguments: what a worker raises crosses processes."""
         return type(self), (str(self), self.time, self.reason)
 

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import cached_property
 from typing import Any
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied, with_lane_axis
-from solar_env.mechanics.equations.formulation import Formulation
+from solar_env.mechanics.equations.formulation import Formulation, ModelArrays, StateArrays
 from solar_env.mechanics.integrators.formulations import FORMULATIONS
 from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.run import advance_lanes
@@ -57,8 +57,8 @@ class Simulation:
             raise ValueError(
                 f"the integrator {self.integrator.name!r} takes no drives; use RungeKutta or GeneralizedAlpha"
             )
-        self.model: Any
-        self.state: Any
+        self.model: ModelArrays
+        self.state: StateArrays
         self.model, self.state = method.formulation.compile(mechanism)
         self._check_initial_state()
         self._engage_stops()
@@ -85,7 +85,7 @@ class Simulation:
         inside = joints["stow_angle"] - joints["stop_gap"] - angles > 0.0
         self.state.joints["stop_engaged"] = inside & (joints["has_stow_stop"] != 0)
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """For copies and pickles: without arrays that share their memory with the state; those of a copy would not."""
         return {name: value for name, value in vars(self).items() if name != "_lane"}
 
@@ -99,11 +99,11 @@ class Simulation:
         """Time [s]."""
         return float(self.state.clock["time"][0])
 
-    def snapshot(self) -> Any:
+    def snapshot(self) -> StateArrays:
         """An independent copy of the state, which can be pickled."""
         return copied(self.state)
 
-    def restore(self, snapshot: Any) -> None:
+    def restore(self, snapshot: StateArrays) -> None:
         """Continue from a snapshot of this simulation or of one of the same mechanism.
 
         Raises:
@@ -132,7 +132,7 @@ class Simulation:
             self.state.joints[joint]["motor_torque"] = torque
             self.state.clock["acceleration_current"] = 0
 
-    def move_to(self, model: Any, state: Any) -> None:
+    def move_to(self, model: ModelArrays, state: StateArrays) -> None:
         """Go on with other arrays, which hold the same values."""
         self.model, self.state = model, state
         self.__dict__.pop("_lane", None)
@@ -283,7 +283,7 @@ def simulate(
     integrator: Integrator | None = None,
     output_step: float = 0.01,
     progress: Callable[[float], None] | None = None,
-    metadata: dict[str, Any] | None = None,
+    metadata: Mapping[str, object] | None = None,
 ) -> Trajectory:
     """Simulate a mechanism from rest of its clock for `duration` and keep samples every `output_step`.
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import TORQUES
+from solar_env.mechanics.equations.formulation import ModelArrays, StateArrays
 from solar_env.mechanics.records.recording import Recorder, sample_columns
 from solar_env.support.files import writing
 from solar_env.support.plain_arrays import MOST_BYTES, parse_json, read_arrays
@@ -62,7 +63,7 @@ class Trajectory:
             external_work (of drives and load torques); lost: contact_dissipation, friction_dissipation,
             latch_dissipation, material_dissipation; residual: stored - initially stored - put in + lost.
         sliding_work, impulse: (nt, nj) integrals of normal force * |sliding speed| and of the force since t = 0.
-        wear_journal, wear_bearing: (nj, bins) depth at the end, by angle in the surface's own body frame.
+        wear_journal, wear_bearing: (nj, bins) depth at the end, by angle in the frame of the surface's body.
         contacts: structured array of all contacts in the order of their ends; those still open come last, with
             end_s = nan.
         latch_times: (nj,) nan if not latched.
@@ -133,7 +134,7 @@ class Trajectory:
         """(nj,) deepest wear of journal or bearing [m]."""
         return np.maximum(self.wear_journal.max(axis=1), self.wear_bearing.max(axis=1))
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """Figures of the whole run as plain Python values, ready for JSON; nan becomes None."""
 
         def plain(values: NDArray[Any]) -> list[Any]:
@@ -251,7 +252,7 @@ def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[s
 
 
 def assemble(
-    model: Any, state: Any, recorder: Recorder, contacts: NDArray[np.void], metadata: dict[str, Any]
+    model: ModelArrays, state: StateArrays, recorder: Recorder, contacts: NDArray[np.void], metadata: dict[str, Any]
 ) -> Trajectory:
     """Make the trajectory of a finished run from its samples, its contacts (`contact_table`) and its last state.
 
@@ -306,21 +307,21 @@ def assemble(
     )
 
 
-def contact_table(state: Any, closed: NDArray[np.float64]) -> NDArray[np.void]:
+def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np.void]:
     """Contacts as `contact_record`: those that have ended, rows of the recorder's queue, then those still open."""
     rows = [tuple(row) for row in closed]
-    for j, own in enumerate(state.joints):
-        if own["in_contact"]:
+    for j, joint_state in enumerate(state.joints):
+        if joint_state["in_contact"]:
             integrals = state.integrals[m.INTEGRALS_PER_JOINT * j :]
             rows.append(
                 (
                     j,
-                    own["contact_start"],
+                    joint_state["contact_start"],
                     math.nan,
-                    own["impact_speed"],
-                    own["contact_peak"],
-                    integrals[m.IMPULSE] - own["contact_impulse"],
-                    integrals[m.SLIDING_WORK] - own["contact_sliding_work"],
+                    joint_state["impact_speed"],
+                    joint_state["contact_peak"],
+                    integrals[m.IMPULSE] - joint_state["contact_impulse"],
+                    integrals[m.SLIDING_WORK] - joint_state["contact_sliding_work"],
                 )
             )
     return np.array(rows, dtype=contact_record)

@@ -5,7 +5,6 @@ import gzip
 import html
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,7 +40,7 @@ def page_text(page: Page) -> str:
     }
     answer = "".join(f"<p>{html.escape(line)}</p>" for line in page.answer)
     notes = "".join(f"<p>{html.escape(line)}</p>" for line in page.notes)
-    unpack, own = ((_FOLDER / name).read_text(encoding="utf-8") for name in ("unpack.js", "page.js"))
+    unpack, program = ((_FOLDER / name).read_text(encoding="utf-8") for name in ("unpack.js", "page.js"))
     numbers = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{html.escape(page.title)}</title>
@@ -57,7 +56,7 @@ def page_text(page: Page) -> str:
 <section id="tables">{"".join(map(_table, page.tables))}</section><footer>{notes}</footer>
 <script type="text/plain" id="data">{_packed(numbers)}</script>
 <script type="text/plain" id="library">{_packed(get_plotlyjs())}</script>
-<script type="text/plain" id="program">{_packed(own)}</script>
+<script type="text/plain" id="program">{_packed(program)}</script>
 <script>{unpack}</script></body></html>
 """
 
@@ -67,14 +66,14 @@ def _packed(text: str) -> str:
     return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
-def _numbers(values: ArrayLike) -> Any:
+def _numbers(values: ArrayLike) -> object:
     """Nested lists of numbers with a few digits; what is not finite becomes None."""
     array = np.asarray(values, dtype=float)
     flat = [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in array.ravel().tolist()]
     return np.array(flat, dtype=object).reshape(array.shape).tolist()
 
 
-def _motion(motion: Motion) -> dict[str, Any]:
+def _motion(motion: Motion) -> dict[str, object]:
     """A motion, with polylines as x, y, x, y, ..."""
     body, *panels = (
         _numbers(np.round(line.reshape(len(motion.time), -1), _PLACES)) for line in (motion.body, *motion.panels)
@@ -90,7 +89,7 @@ def _motion(motion: Motion) -> dict[str, Any]:
     }
 
 
-def _chart(chart: Chart) -> dict[str, Any]:
+def _chart(chart: Chart) -> dict[str, object]:
     lines = [vars(line) | {"x": _numbers(line.x), "y": _numbers(line.y)} for line in chart.lines]
     return vars(chart) | {"lines": lines}
 

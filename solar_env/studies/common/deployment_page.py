@@ -2,15 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, build, main_body_corners
+from solar_env.array import ArrayParameters, Ranges, build, main_body_corners
 from solar_env.array.parameters.file import units
 from solar_env.array.parameters.parameters import MAIN_BODY
-from solar_env.array.parameters.ranges import Ranges
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -42,7 +40,7 @@ def shown_samples(trajectory: Trajectory) -> Samples:
 def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
     """(kept, joints) greatest contact force [N] from each sample to the next of those shown.
 
-    Every contact's own peak counts, at the greatest of the samples within it.
+    Every contact's peak counts, at the greatest of the samples within it.
     """
     forces, contacts = trajectory.normal_force.copy(), trajectory.contacts
     begins = np.maximum(np.searchsorted(trajectory.time, contacts["start_s"]) - 1, 0)
@@ -86,7 +84,7 @@ def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -
     return Table("Parameters of the array", columns, rows, folded=True)
 
 
-def _entered(value: Any) -> str:
+def _entered(value: object) -> str:
     """A value of a parameter as one would write it."""
     if isinstance(value, (list, tuple)):
         return f"({', '.join(map(_entered, value))})"
@@ -171,7 +169,7 @@ def _energies(trajectory: Trajectory, kept: Samples) -> Array:
 
 
 def _worn(trajectory: Trajectory) -> tuple[Array, Array]:
-    """Depth [fm] of the bearings' wear round them, in their bodies' own frames."""
+    """Depth [fm] of the bearings' wear round them, in their bodies' frames."""
     angles = np.linspace(0.0, 360.0, trajectory.wear_bearing.shape[1], endpoint=False)
     return angles, _FEMTOMETRES * trajectory.wear_bearing.T
 
@@ -203,9 +201,9 @@ def _title(key: str, trajectories: Mapping[str, Trajectory]) -> str:
     sentence, read = _TITLES[key]
     values = {name: read(trajectory) for name, trajectory in trajectories.items()}
     if len(values) == 1:
-        told = [_short(value) for own in values.values() for value in own]
+        told = [_short(value) for by_joint in values.values() for value in by_joint]
     else:
-        told = [f"{_short(own.max())} ({name})" for name, own in values.items()]
+        told = [f"{_short(by_joint.max())} ({name})" for name, by_joint in values.items()]
     return sentence.format(" and ".join(told))
 
 

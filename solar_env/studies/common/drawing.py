@@ -38,12 +38,12 @@ def use_decades(axis: Axes, which: str) -> None:
 
     Exponents set small could not be read where a page shows the figure at half its size.
     """
-    own, limits = (axis.xaxis, axis.get_xlim()) if which == "x" else (axis.yaxis, axis.get_ylim())
+    scale, limits = (axis.xaxis, axis.get_xlim()) if which == "x" else (axis.yaxis, axis.get_ylim())
     low, high = np.log10(limits)
     if np.floor(high) - np.ceil(low) < 1.0:
-        own.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    own.set_major_formatter(lambda value, _: short(value))
-    own.set_minor_formatter(NullFormatter())
+        scale.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    scale.set_major_formatter(lambda value, _: short(value))
+    scale.set_minor_formatter(NullFormatter())
 
 
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass, replace
 
-from solar_env.array import ArrayParameters, ModelLevel
+from solar_env.array import ArrayParameters, ModelLevel, default_integrator
 from solar_env.array.deployment import simulate
-from solar_env.array.methods import default_integrator
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.motion import perturbed, perturbed_setting

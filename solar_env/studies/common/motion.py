@@ -1,4 +1,4 @@
-"""Scenes that studies simulate, and motions: the record of a run, whichever program made it."""
+"""Scenes that studies simulate, motions (the record of a run, whichever program made it), and their errors."""
 
 import math
 import warnings
@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, ModelLevel, build
-from solar_env.array.parameters.ranges import RELEASE_RATE
+from solar_env.array import RELEASE_RATE, ArrayParameters, ModelLevel, build
 from solar_env.mechanics.integrators.settings import Integrator
-from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.mechanism import Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -32,7 +31,7 @@ class Scene:
     forces_kept: bool = False  # whether programs that sample peak contact forces must do so at every step
 
     def mechanism(self) -> Mechanism:
-        """The array as the project's own simulator takes it."""
+        """The array as our simulator takes it."""
         return build(self.parameters, self.model)
 
     @property
@@ -93,8 +92,8 @@ def _deviations(member: int, count: int, stream: int = 0) -> Array:
     return np.random.default_rng([member, stream]).uniform(-1.0, 1.0, count) * (member > 0)
 
 
-def run_own(scene: Scene, integrator: Integrator) -> Motion:
-    """A scene with one of the project's own integrators.
+def run_ours(scene: Scene, integrator: Integrator) -> Motion:
+    """A scene with one of our integrators.
 
     Raises:
         SimulationError: if the run cannot go on.
@@ -106,7 +105,7 @@ def run_own(scene: Scene, integrator: Integrator) -> Motion:
 
 
 def from_trajectory(trajectory: Trajectory) -> Motion:
-    """Motion of a run of the project's own simulator."""
+    """Motion of a run of our simulator."""
     latched = np.nanmin([*trajectory.latch_times, math.inf])
     late = trajectory.contacts[trajectory.contacts["start_s"] > latched]
     return Motion(
@@ -125,3 +124,31 @@ def from_trajectory(trajectory: Trajectory) -> Motion:
             "wear_depth_m": trajectory.wear_depth,
         },
     )
+
+
+def angle_error(motion: Motion, reference: Motion, until: float) -> float:
+    """Greatest difference of a joint angle [rad] at the common samples of a motion and its reference up to a time [s].
+
+    Raises:
+        ValueError: if the samples lie at other times.
+    """
+    if motion.time.shape != reference.time.shape or not np.allclose(motion.time, reference.time, rtol=0.0, atol=1e-9):
+        raise ValueError("the samples of the two motions lie at different times")
+    counted = reference.time <= until + 1e-9
+    return float(np.abs(motion.angles - reference.angles)[counted].max())
+
+
+def latch_error(motion: Motion, reference: Motion) -> float:
+    """Greatest difference of a latch time [s]; inf if a joint that should have latched has not, nan if none should."""
+    expected = np.isfinite(reference.latch_times)
+    if not expected.any():
+        return math.nan
+    differences = np.abs(motion.latch_times - reference.latch_times)[expected]
+    return float(np.where(np.isnan(differences), math.inf, differences).max())
+
+
+def force_error(motion: Motion, reference: Motion) -> float:
+    """Greatest relative error of a joint's peak force after the first latching; nan where the reference has none."""
+    right = reference.totals["peak_force_N"]
+    errors = np.abs(motion.totals["peak_force_N"] / np.where(right > 0.0, right, math.nan) - 1.0)
+    return math.nan if np.isnan(errors).all() else float(np.nanmax(errors))

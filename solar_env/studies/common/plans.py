@@ -41,7 +41,7 @@ class ChartPlan:
 
     models: tuple[str, ...] = MODELS
     parameters: ArrayParameters = PARAMETERS
-    panels: str = "6 elements"  # that flexible ones consist of, with methods that have none of their own
+    panels: str = "6 elements"  # that flexible ones consist of, with methods that prescribe none
     duration: float = 13.0  # of deployments [s]; beyond the latching
     before_latch: float = 12.0  # up to which angles are compared [s]
     settings: int | None = None  # how many of a method are measured, from the coarsest; None for all

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.support.files import write_text
-from solar_env.support.numbers import is_number
+from solar_env.support.values import is_number
 from solar_env.support.versions import versions
 
 Cell = float | int | str

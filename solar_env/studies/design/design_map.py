@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -27,7 +26,7 @@ class DesignMap:
     y: str
     x_values: tuple[float, ...]  # in SI units
     y_values: tuple[float, ...]
-    changes: Callable[[float, float], dict[str, Any]]  # of parameters
+    changes: Callable[[float, float], Mapping[str, object]]  # of parameters
     marked: tuple[tuple[float, float], ...] = ()  # points that the paper compares
 
 
@@ -85,7 +84,7 @@ def measure_design(preset: str, members: int, workers: Workers, folder: Path, co
     return [_row(cell, result) for cell, result in zip(cells, results, strict=True)]
 
 
-def _row(cell: Mapping[str, Any], result: Mapping[str, Any]) -> Row:
+def _row(cell: Cell, result: Mapping[str, list[list[float]]]) -> Row:
     """Medians of the worse joint and of each, with the quartiles of the worse one."""
     row: Row = {"map": cell["map"], "x": cell["x"], "y": cell["y"]}
     for name in ("wear_m", "force_N"):

@@ -74,8 +74,8 @@ def wear_campaign(
         worn = replace(parameters, clearance=tuple(clearance.tolist()))
         runs = [(worn, simulated * members + member) for member in range(members)]
         simulated += 1
-        done = {own: figure for (_, own), figure in each_done(_deploy, runs, workers)}
-        figures = np.array([done[own] for _, own in runs])
+        done = {drawn: figure for (_, drawn), figure in each_done(_deploy, runs, workers)}
+        figures = np.array([done[drawn] for _, drawn in runs])
         wear, force = figures.mean(axis=0)
         wear_error, force_error = figures.std(axis=0, ddof=1) / math.sqrt(members)
         corrected = clearance + 0.5 * max(repeated - 1, 0) * (wear - before)

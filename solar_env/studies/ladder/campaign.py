@@ -13,10 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, build
+from solar_env.array import RELEASE_RATE, ArrayParameters, build, compilation_note
 from solar_env.array.ladder import QUESTIONS, Answer
-from solar_env.array.methods import compilation_note
-from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.environment.task.task import PRESENT
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
@@ -167,24 +165,24 @@ def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
     rows: list[Row] = []
     for question in QUESTIONS:
         *levels, (_, reference) = done[question == RANKING].items()
-        for level, own in levels:
-            error, half_width = error_of(question, own, reference)
+        for level, runs in levels:
+            error, half_width = error_of(question, runs, reference)
             answer = Answer(
                 question,
                 str(level.panels),
                 error,
                 half_width,
-                statistics.median(run.wall for run in own) / statistics.median(run.wall for run in reference),
-                statistics.fmean(run.evaluations for run in own),
-                len(own),
+                statistics.median(run.wall for run in runs) / statistics.median(run.wall for run in reference),
+                statistics.fmean(run.evaluations for run in runs),
+                len(runs),
             )
             rows.append(dict(vars(answer)))
     return rows
 
 
-def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
-    """Error of a level's own runs against as many of the reference's, and the half-width of its sampling band."""
-    level, other = (np.stack([run.answers[question] for run in runs]) for runs in (own, reference[: len(own)]))
+def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
+    """Error of a level's runs against as many of the reference's, and the half-width of its sampling band."""
+    level, other = (np.stack([run.answers[question] for run in runs]) for runs in (found, reference[: len(found)]))
     if question == RANKING:
         return ranking_error(level, other)
     scale = np.abs(other.mean(axis=0)).sum(axis=-1)

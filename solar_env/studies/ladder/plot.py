@@ -47,7 +47,7 @@ def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
         panels = _size(within[-1]).replace("rigid", "rigid panels") if within else "none"
         chosen.setdefault(panels, []).append(question)
     most = max(chosen, key=lambda panels: len(chosen[panels]))
-    clauses = [f"{panels} for {' and '.join(own)}" for panels, own in chosen.items() if panels != most]
+    clauses = [f"{panels} for {' and '.join(questions)}" for panels, questions in chosen.items() if panels != most]
     rest = f"{most} for all else" if clauses else f"{most} for all questions"
     return f"Cheapest within {_TOLERANCE:.0%}: {', '.join([*clauses, rest])}"
 

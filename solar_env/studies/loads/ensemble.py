@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, ModelLevel
-from solar_env.array.parameters.file import ParameterFile
+from solar_env.array import ArrayParameters, ModelLevel, ParameterFile
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
 from solar_env.studies.loads.runs import deploy, member_parameters
@@ -54,7 +53,7 @@ class LoadsPlan:
         return Level(self.model), FINEST
 
 
-def run_member(cell: Cell) -> dict[str, Any]:
+def run_member(cell: Cell) -> dict[str, object]:
     """Quantities, spectra and warnings of a member at a level, as values that JSON keeps."""
     level = Level(cell["model"], cell["tighter"])
     nominal = ArrayParameters().with_changes(cell["parameters"])

@@ -5,7 +5,6 @@ samples are therefore known exactly, however short the impacts are that lie betw
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters
 from solar_env.array.data_files import write_columns
 from solar_env.mechanics.analysis.geometry import centreline
+from solar_env.mechanics.equations.formulation import ModelArrays
 from solar_env.mechanics.running.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 _SHIFT = 1e-6  # s, to either side of a sample; the coordinates of a rigid body are smooth
 
 
-def hub_place(parameters: ArrayParameters, model: Any, q: Array) -> Array:
+def hub_place(parameters: ArrayParameters, model: ModelArrays, q: Array) -> Array:
     """(nt, 3) place of the centroid [m] and angle of the hub [rad], between -pi and pi."""
     ends = centreline(model, q, 0)
     along = ends[:, 1] - ends[:, 0]
@@ -30,7 +30,7 @@ def hub_place(parameters: ArrayParameters, model: Any, q: Array) -> Array:
     return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
 
 
-def hub_velocity(parameters: ArrayParameters, model: Any, q: Array, v: Array) -> Array:
+def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: Array) -> Array:
     """(nt, 3) velocity of the centroid [m/s] and spin of the hub [rad/s]."""
     ahead, behind = (hub_place(parameters, model, q + sign * _SHIFT * v) for sign in (1.0, -1.0))
     change = ahead - behind

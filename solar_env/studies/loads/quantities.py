@@ -31,8 +31,8 @@ def _impacts(deployment: Deployment) -> list[NDArray[np.void]]:
 
 def _impact_speed(share: float) -> Callable[[Deployment], Array]:
     def read(deployment: Deployment) -> Array:
-        speeds = [own["impact_speed"] for own in _impacts(deployment)]
-        return np.array([np.quantile(own, share) if len(own) else np.nan for own in speeds])
+        speeds = [impacts["impact_speed"] for impacts in _impacts(deployment)]
+        return np.array([np.quantile(impacts, share) if len(impacts) else np.nan for impacts in speeds])
 
     return read
 

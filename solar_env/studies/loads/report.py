@@ -23,7 +23,7 @@ _SHOWN = slice(3, None, 6)  # of the frequencies, in the table
 def answer(loads: Loads) -> list[str]:
     """Five lines: peak force, impulse, wear, hub, and what they rest on.
 
-    Each figure comes with the interval of its mean, its high quantile and its own model error.
+    Each figure comes with the interval of its mean, its high quantile and its model error.
     """
     worst = {name: _worst(loads.figures[name]) for name in ("peak_force", "impulse", "wear_depth")}
     stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in worst.items()}
@@ -142,8 +142,8 @@ def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str]) -> Page:
     charts = [*charts_of({name: nominal.trajectory}), *_hub_charts(nominal), *_spectra(loads)]
     motions = [motion_of(nominal.trajectory, name)]
     title = "How hard the hinges and the hub are hit"
-    array = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
-    return Page(title, answer(loads), motions, charts, [*tables(loads), array], notes)
+    parameters = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
+    return Page(title, answer(loads), motions, charts, [*tables(loads), parameters], notes)
 
 
 def _hub_charts(nominal: Deployment) -> Iterator[Chart]:

@@ -2,15 +2,13 @@
 
 import math
 import warnings
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
-from solar_env.array.parameters.ranges import drawn
+from solar_env.array.parameters.ranges import Ranges, drawn
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.records.recording import Recorder, make_recorder, sample_columns
 from solar_env.mechanics.running.diagnosis import SimulationWarning
@@ -48,7 +46,7 @@ class Deployment:
     warnings: tuple[str, ...]  # what the simulator said
 
 
-def member_parameters(parameters: ArrayParameters, ranges: Mapping[str, Any], member: int) -> ArrayParameters:
+def member_parameters(parameters: ArrayParameters, ranges: Ranges, member: int) -> ArrayParameters:
     """The array of a member: its ranges drawn, its joints released at slightly different rates; 0 is the nominal."""
     if member > 0:
         parameters = parameters.with_changes(drawn(ranges, np.random.default_rng([member, 2])))

@@ -3,11 +3,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 from solar_env.array import MODELS, ArrayParameters, ModelLevel
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.mechanism.textbook import four_bar
+from solar_env.mechanics.mechanism import four_bar
 from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.levels import Level
@@ -24,7 +23,7 @@ EQ_40_CASE, EQ_40 = "-eq-40", "eq_40_"
 
 _SIZES = {1: (1e-4, 2e-4), 2: (2e-4, 1e-4)}  # m; the clearances of the paper's models 1 and 2 of their distribution
 # Deployments by name: the level of the model, and what differs from the `paper` preset.
-CASES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
     **{model: (model, {}) for model in MODELS},
     **{f"distribution-{n}": ("rigid-clearance", {"clearance": sizes}) for n, sizes in _SIZES.items()},
     # The same with a contact stiffness by joint, as Eq 40 has it.

@@ -20,7 +20,7 @@ class Claim:
     Attributes:
         key: short name.
         statement: what the paper says, and the figure that is taken for it.
-        paper: the paper's own figure, or the relation that it states.
+        paper: the paper's figure, or the relation that it states.
         cases: deployments that the figure is taken from.
         measure: the figure, of one motion of each of `cases`, in their order.
         low, high: where it agrees, both ends included.

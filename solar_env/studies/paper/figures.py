@@ -56,9 +56,9 @@ class FourBar(PaperFigure):
         figure.set_size_inches(12.0, 3.4)
         for axis, quantity in zip(figure.subplots(1, 3), table.values("quantity"), strict=True):
             for colour, turns in zip(COLOURS, table.where(quantity=quantity).values("turns"), strict=False):
-                own = table.where(quantity=quantity, turns=turns)
+                curve = table.where(quantity=quantity, turns=turns)
                 label = f"turn {turns}" if turns else "ideal joint"
-                axis.plot(own.column("place"), own.column("value"), color=colour, label=label, linewidth=0.7)
+                axis.plot(curve.column("place"), curve.column("value"), color=colour, label=label, linewidth=0.7)
             axis.set(ylabel=quantity)
             axis.legend()
         for axis in figure.axes[:2]:

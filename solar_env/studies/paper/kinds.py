@@ -104,7 +104,7 @@ class DeploymentFigure(PaperFigure):
             place, *names = tables[0]
             columns = {place: tables[0][place]}
             for name in names:
-                values = np.array([own[name] for own in tables])
+                values = np.array([table[name] for table in tables])
                 columns |= {name: np.median(values, axis=0)}
                 columns |= {f"{name}_least": values.min(axis=0), f"{name}_greatest": values.max(axis=0)}
         digits = [[float(f"{x:.9g}") for x in column] for column in columns.values()]
@@ -119,8 +119,8 @@ class CaseFigure(DeploymentFigure):
     """A figure of one case, or of two beside each other; the columns of the second begin with EQ_40."""
 
     def _columns(self, member: Member) -> dict[str, Array]:
-        own, *others = (self._of(member[case]) for case in self.cases)
-        return own | {EQ_40 + name: column for other in others for name, column in list(other.items())[1:]}
+        first, *others = (self._of(member[case]) for case in self.cases)
+        return first | {EQ_40 + name: column for other in others for name, column in list(other.items())[1:]}
 
     @abstractmethod
     def _of(self, motion: Trajectory) -> dict[str, Array]:
@@ -189,9 +189,9 @@ class JournalPath(CaseFigure):
         clearance = float(table.column("clearance_um")[0])
         around = np.linspace(0.0, 2.0 * np.pi, 361)
         for number, name in enumerate(PHASES, start=1):
-            axis, own = axes[name], phase == number
+            axis, then = axes[name], phase == number
             axis.plot(clearance * np.cos(around), clearance * np.sin(around), color=STEEL)
-            axis.plot(x[own], y[own], color=COLOURS[number - 1], linewidth=1.5 if number == 2 else 0.4)
+            axis.plot(x[then], y[then], color=COLOURS[number - 1], linewidth=1.5 if number == 2 else 0.4)
             axis.set(aspect="equal", title=name, xlabel="x [µm]", ylabel="y [µm]")
         for name, values in (("x", x), ("y", y)):
             axes[name].plot(time, values, color=COLOURS[0], linewidth=0.5)
@@ -309,8 +309,8 @@ class Models(DeploymentFigure):
                 values = table.column(self._column(model).format(joint))
                 row[0].plot(time, values, color=colour, label=model, linewidth=0.8)
                 for number, axis in enumerate(row[1:], start=1):
-                    own = phase == number
-                    axis.plot(time[own], (values - reference)[own], color=colour, linewidth=0.6)
+                    then = phase == number
+                    axis.plot(time[then], (values - reference)[then], color=colour, linewidth=0.6)
             row[0].set_ylabel(f"joint {joint}\n{self.quantity} [{self.unit}]")
             row[1].set_ylabel(f"difference from {MODELS[0]}")
         for axis, name in zip(figure.axes, (self.quantity, *PHASES), strict=False):

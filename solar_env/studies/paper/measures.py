@@ -63,9 +63,9 @@ def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
 
 def contacts_of(motion: Trajectory, joint: int) -> NDArray[np.void]:
     """The contacts of a joint in the order of their starts; those under way end with the run."""
-    own = motion.contacts[motion.contacts["joint"] == joint].copy()
-    own["end_s"] = np.where(np.isnan(own["end_s"]), motion.time[-1], own["end_s"])
-    return own[np.argsort(own["start_s"], kind="stable")]
+    contacts = motion.contacts[motion.contacts["joint"] == joint].copy()
+    contacts["end_s"] = np.where(np.isnan(contacts["end_s"]), motion.time[-1], contacts["end_s"])
+    return contacts[np.argsort(contacts["start_s"], kind="stable")]
 
 
 def settled(motion: Trajectory, joint: int) -> float:
@@ -257,8 +257,8 @@ def vibration(motion: Trajectory) -> float:
 def lag(reference: Trajectory, motion: Trajectory, joint: int) -> float:
     """Time [s] by which the oscillation of a joint after latching lags that of a reference.
 
-    The shift, within LONGEST_LAG, with the greatest cross-correlation of the angles over LAGGING from either one's
-    own last latching; a parabola through the maximum and its neighbours places it between samples.
+    The shift, within LONGEST_LAG, with the greatest cross-correlation of the angles over LAGGING from the last
+    latching of either; a parabola through the maximum and its neighbours places it between samples.
     """
     step = float(motion.time[1] - motion.time[0])
     signals, late = [], []

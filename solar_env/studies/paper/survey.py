@@ -78,8 +78,8 @@ def judge(claim: Claim, motions: Motions) -> Finding:
     for parameter in claim.open_parameters:
         found = {getattr(preset, parameter): median}
         for value in RANGES[parameter]:
-            own = _figures(claim, motions, _range_members(claim), ((parameter, value),))
-            found[value] = float(np.median(own))
+            varied = _figures(claim, motions, _range_members(claim), ((parameter, value),))
+            found[value] = float(np.median(varied))
         # Numbers in their order, then names and what Eq 40 gives.
         ordered = sorted(found, key=lambda value: (value if isinstance(value, float) else math.inf, str(value)))
         for values, holding in ((holds_for, True), (fails_for, False)):

@@ -20,7 +20,7 @@ import exudyn
 import numpy as np
 
 from solar_env.studies.common.motion import Scene
-from solar_env.studies.peers.exudyn_parts import PeerArray, items
+from solar_env.studies.peers.exudyn_parts import PeerArray, Value, items
 
 _FOLDED = (-math.pi / 2, math.pi / 2)  # directions of the folded panels [rad]
 # Of each joint: rotation of the outboard relative to the inboard side when folded [rad], sense of the joint angle.
@@ -67,7 +67,7 @@ class RigidArray(PeerArray):
         turns = [system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=2)) for node in nodes]
         return list(itertools.pairwise(turns))
 
-    def angles(self, *values: Any) -> tuple[Any, Any]:
+    def angles(self, *values: Value) -> tuple[Value, Value]:
         """Joint angles [rad] from the turns of the three bodies."""
         base, first, second = values
         return first - base, first - second
@@ -115,7 +115,7 @@ class TreeArray(PeerArray):
         turned = [system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=k)) for k in (3, 4)]
         return [(self.ground, marker) for marker in turned]
 
-    def angles(self, *values: Any) -> tuple[Any, Any]:
+    def angles(self, *values: Value) -> tuple[Value, Value]:
         """Joint angles [rad] from those of the tree."""
         return values[0], -values[1]
 
@@ -171,7 +171,7 @@ class BeamArray(PeerArray):
         self.watch((base, 2, 0.0), *((node, 2 + k, k * along) for node, along in slopes for k in (0, 1)))
         return [(self.ground, marker) for marker in rotations]
 
-    def angles(self, *values: Any) -> tuple[Any, Any]:
+    def angles(self, *values: Value) -> tuple[Value, Value]:
         """Joint angles [rad] from the main body's turn, and the slopes (x, y) at the three ends of panels."""
         turn, root_x, root_y, tip_x, tip_y, outer_x, outer_y = values
         first = np.arctan2(root_x, -root_y) - turn

@@ -10,11 +10,13 @@ import exudyn.itemInterface
 import numpy as np
 from exudyn.utilities import CreateSymbolicUserFunction
 
-from solar_env.mechanics.mechanism.description import Stop
+from solar_env.mechanics.mechanism import Stop
 from solar_env.studies.common.motion import Scene
 
 items = exudyn.itemInterface
 _SENSES = (1.0, -1.0)  # of the two joint angles as differences of the bodies' rotations
+
+Value = Any  # a number or, where the library evaluates it, one of its symbols
 
 
 class PeerArray(ABC):
@@ -37,7 +39,7 @@ class PeerArray(ABC):
         self.sensors: dict[int, tuple[Any, Any]] = {}
         self.contacts: list[Any] = []
         self.latch_times = [math.nan, math.nan]
-        self._kept_alive: list[Any] = []  # Python functions that the library calls
+        self._kept_alive: list[object] = []  # Python functions that the library calls
         self.mass = self.p.panel_density * self.p.panel_length * self.p.panel_width * self.p.panel_thickness
         self.inertia = self.mass * (self.p.panel_length**2 + self.p.panel_thickness**2) / 12.0
         ground = self.system.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
@@ -50,7 +52,7 @@ class PeerArray(ABC):
         """Add everything but the latches; returns the (marker, marker) coordinates that these act on."""
 
     @abstractmethod
-    def angles(self, *values: Any) -> tuple[Any, Any]:
+    def angles(self, *values: Value) -> tuple[Value, Value]:
         """Joint angles [rad] from the values of the watched coordinates."""
 
     def release(self) -> list[tuple[float, float]]:
@@ -65,7 +67,7 @@ class PeerArray(ABC):
         return node, self.system.AddObject(body)
 
     def point(self, body: int, x: float, y: float = 0.0) -> int:
-        """Marker of a body's point (x, y) in its own frame [m]."""
+        """Marker of a body's point (x, y) in the body's frame [m]."""
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:
@@ -165,11 +167,11 @@ class PeerArray(ABC):
         system.SetPreStepUserFunction(engage)
 
 
-def _stop_expression(stop: Stop, lock: float) -> Callable[..., Any]:
+def _stop_expression(stop: Stop, lock: float) -> Callable[..., Value]:
     """Torque of a two-sided stop round a locked coordinate, on the left-hand side of the equations."""
     symbolic = exudyn.symbolic
 
-    def one_side(depth: Any, closing_rate: Any) -> Any:
+    def one_side(depth: Value, closing_rate: Value) -> Value:
         share = symbolic.min(symbolic.max(depth / stop.ramp_depth, 0.0), 1.0)
         damping = stop.damping * share * share * (3.0 - 2.0 * share)
         elastic = stop.stiffness * symbolic.pow(symbolic.max(depth, 0.0), stop.exponent)
@@ -177,7 +179,7 @@ def _stop_expression(stop: Stop, lock: float) -> Callable[..., Any]:
 
     def torque(
         mbs: Any, t: Any, itemNumber: Any, displacement: Any, velocity: Any, stiffness: Any, damping: Any, offset: Any
-    ) -> Any:
+    ) -> Value:
         below, above = lock - stop.gap - displacement, displacement - lock - stop.gap
         return symbolic.IfThenElse(
             below > 0.0,

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 from rich.console import Console
 
-from solar_env.array.methods import compilation_note
+from solar_env.array import compilation_note
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
 from solar_env.studies.common.tables import provenance, read_table, write_table
@@ -18,7 +18,7 @@ from solar_env.support.progress import counting_bar
 
 # A study has a table with its name. Its module has `runs`, a plan to jobs by key; `tabulate`, a plan and what came of
 # each job to the rows of the table; and `draw`, a table and a folder to the files drawn.
-STUDIES: dict[str, Any] = {
+STUDIES: dict[str, ModuleType] = {
     "work-precision": work_precision,
     "convergence": convergence,
     "side-by-side": side_by_side,

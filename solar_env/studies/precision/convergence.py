@@ -17,8 +17,7 @@ from solar_env.array.level import ELEMENTS, MODES
 from solar_env.pictures.style import LEVEL_LOOKS, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.levels import Level
-from solar_env.studies.common.measures import force_error
-from solar_env.studies.common.motion import Motion, Scene, perturbed, run_own
+from solar_env.studies.common.motion import Motion, Scene, force_error, perturbed, run_ours
 from solar_env.studies.common.plans import ChartPlan, Ensemble
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
@@ -74,7 +73,7 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
     """A member of the ensemble of a scene at a level."""
     parameters = perturbed(scene.parameters, member)
-    return run_own(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
+    return run_ours(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
 def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:

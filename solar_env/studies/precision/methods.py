@@ -15,7 +15,7 @@ from solar_env.mechanics.integrators.settings import (
     Rosenbrock,
     RungeKutta,
 )
-from solar_env.studies.common.motion import Motion, Scene, run_own, with_panels
+from solar_env.studies.common.motion import Motion, Scene, run_ours, with_panels
 
 MISSING_PEER = "Exudyn is not installed, its methods are left out: pip install -e '.[peers]'"
 
@@ -59,9 +59,9 @@ class Method:
         return self.scene(scene).level.size
 
 
-def own(make: Callable[[float], Integrator]) -> Program:
+def ours(make: Callable[[float], Integrator]) -> Program:
     """A solver from one of the project's integrators, made from a setting."""
-    return lambda scene, setting: run_own(scene, make(setting))
+    return lambda scene, setting: run_ours(scene, make(setting))
 
 
 def exudyn(solver: str) -> Program:
@@ -86,7 +86,7 @@ _STEPS = {
 METHODS: Mapping[str, Method] = {
     "runge-kutta": Method(
         "rtol",
-        own(lambda rtol: RungeKutta(rtol=rtol)),
+        ours(lambda rtol: RungeKutta(rtol=rtol)),
         {
             _RIGID: (1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12),
             _LOOSE: (1e-4, 1e-5, 5e-7, 1e-8, 1e-10, 1e-11, 1e-12),
@@ -96,12 +96,12 @@ METHODS: Mapping[str, Method] = {
     ),
     "rosenbrock": Method(
         "rtol",
-        own(lambda rtol: Rosenbrock(rtol=rtol)),
+        ours(lambda rtol: Rosenbrock(rtol=rtol)),
         {_FLEXIBLE: (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), _LOOSE_FLEXIBLE: (1e-2, 1e-3, 1e-4, 1e-5)},
     ),
     "modal-radau": Method(
         "rtol",
-        own(lambda rtol: ModalRadau(rtol=rtol)),
+        ours(lambda rtol: ModalRadau(rtol=rtol)),
         {
             _LOOSE: (3e-2, 1e-2, 1e-3, 1e-4),
             _FLEXIBLE: (1e-3, 3e-4, 1e-4, 1e-5, 1e-6),
@@ -109,8 +109,8 @@ METHODS: Mapping[str, Method] = {
         },
         panels="32 modes",
     ),
-    "generalized-alpha": Method("step", own(lambda step: GeneralizedAlpha(step=step)), _STEPS),
-    "paper's scheme": Method("step", own(lambda step: GeneralizedAlpha(step=step, rho_inf=1.0)), _STEPS),
+    "generalized-alpha": Method("step", ours(lambda step: GeneralizedAlpha(step=step)), _STEPS),
+    "paper's scheme": Method("step", ours(lambda step: GeneralizedAlpha(step=step, rho_inf=1.0)), _STEPS),
     "Exudyn generalized-alpha": Method(
         "step",
         exudyn("generalized-alpha"),
@@ -135,7 +135,7 @@ Reference = tuple[str, tuple[float, float]]
 REFERENCES: Mapping[str, tuple[Reference, ...]] = {
     _RIGID: (("runge-kutta", (1e-12, 1e-11)),),
     _LOOSE: (("runge-kutta", (1e-12, 1e-11)),),
-    # Modal panels are another model, with a reference of their own.
+    # Modal panels are another model, with another reference.
     _FLEXIBLE: (("runge-kutta", (1e-9, 1e-8)), ("modal-radau", (1e-6, 1e-5))),
     _LOOSE_FLEXIBLE: (("runge-kutta", (1e-9, 1e-8)), ("modal-radau", (1e-5, 1e-4))),
 }

@@ -1,7 +1,7 @@
 """Whole deployments side by side: default settings against the cheapest settings of Exudyn, at equal error.
 
 Errors are those of what the user gets, panels included. With flexible panels they are taken against beams of 24
-elements, the peer's own kind of panels four times as fine as its, and against the peak forces of an ensemble of modal
+elements, the peer's kind of panels four times as fine as its, and against the peak forces of an ensemble of modal
 panels that neither modes nor tolerance change any more (`convergence`).
 """
 
@@ -35,8 +35,8 @@ DEFAULT = "default settings"
 _LONG_RUN = 60.0  # s
 Entry = tuple[str, float]
 
-# Method and setting: own looser and tighter tolerances; the peer at its leanest.
-OWN: dict[str, tuple[Entry, ...]] = {
+# Method and setting: looser and tighter tolerances of ours; the peer at its leanest.
+OURS: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 5e-10)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
     "flexible-ideal": (("modal-radau", 1e-3), ("modal-radau", 3e-4), ("rosenbrock", 1e-3), ("rosenbrock", 1e-4)),
@@ -104,16 +104,16 @@ def _job(plan: ChartPlan, case: Case) -> Job:
 
 
 def runs(plan: ChartPlan) -> dict[Case, Job]:
-    """Whole deployments; with clearance also ensembles of the own ones, and the peer's with its forces kept."""
+    """Whole deployments; with clearance also ensembles of ours, and the peer's with its forces kept."""
     cases: list[Case] = []
     for model in plan.models:
-        own = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OWN[model])]
+        ours = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OURS[model])]
         peer = [Case(model, *entry) for entry in PEER[model] if METHODS[entry[0]].available]
-        cases += [Case(model, _REFERENCE), *own, *peer]
+        cases += [Case(model, _REFERENCE), *ours, *peer]
         if model in CONVERGED:
             members = range(plan.ensemble_size)
             cases += [Case(model, _ENSEMBLE, member=member) for member in members]
-            cases += [replace(case, member=member) for case in own for member in members[1:]]
+            cases += [replace(case, member=member) for case in ours for member in members[1:]]
             cases += [replace(case, watched=True) for case in peer]
     return {case: _job(plan, case) for case in cases}
 
@@ -155,14 +155,14 @@ def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
 def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
     """Mean peak forces over those of the converged ensemble, and their standard errors; nan if there are none."""
     means, errors = np.full(2, math.nan), np.full(2, math.nan)
-    own, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
-    if len(own) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
+    forces, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
+    if len(forces) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
         # A single run of the peer is taken to scatter as those of the converged ensemble do.
         shares = [
             (of.std(axis=0, ddof=1) if len(of) > 1 else right.std(axis=0, ddof=1)) / math.sqrt(len(of))
-            for of in (own, right)
+            for of in (forces, right)
         ] / right.mean(axis=0)
-        means = own.mean(axis=0) / right.mean(axis=0)
+        means = forces.mean(axis=0) / right.mean(axis=0)
         errors = np.hypot(shares[0], shares[1] * means)
     names = [f"force_ratio_{joint}{suffix}" for suffix in ("", "_error") for joint in (1, 2)]
     return dict(zip(names, [*means.tolist(), *errors.tolist()], strict=True))
@@ -185,7 +185,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
-    """The peer's wall time over that of the cheapest own run whose errors are no larger; nan if there is none."""
+    """The peer's wall time over that of our cheapest run whose errors are no larger; nan if there is none."""
     walls = [
         number(row, "wall_s")
         for row in rows.where(model=peer["model"], peer=0).rows
@@ -213,8 +213,8 @@ def _line(rows: Table, row: Mapping[str, Cell]) -> list[str]:
         return [*cells, "failed", *[""] * (len(_COLUMNS) - len(cells) - 1)]
     ratio = ""
     if row["peer"]:
-        own = ratio_at_equal_error(rows, row)
-        ratio = "none of ours is as accurate" if math.isnan(own) else f"{own:.3g}"
+        at_equal_error = ratio_at_equal_error(rows, row)
+        ratio = "none of ours is as accurate" if math.isnan(at_equal_error) else f"{at_equal_error:.3g}"
     wall, duration = number(row, "wall_s"), number(row, "duration_s")
     errors = [f"{number(row, name):.1e}" for name in ERRORS]
     return [*cells, f"{wall:.3g}", f"{duration / wall:.3g}", *errors, _forces(row), ratio]

@@ -17,8 +17,7 @@ from matplotlib.axes import Axes
 from solar_env.array import ModelLevel
 from solar_env.pictures.style import FAINT, METHOD_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.drawing import make_figure, save, short, use_decades
-from solar_env.studies.common.measures import angle_error, latch_error
-from solar_env.studies.common.motion import Motion
+from solar_env.studies.common.motion import Motion, angle_error, latch_error
 from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
@@ -104,12 +103,12 @@ def draw(rows: Table, folder: Path) -> list[Path]:
     figure, axes = make_figure(len(COSTS), len(models), (max(2.15, 6.4 / len(models)), 1.9), len(looks))
     with mpl.rc_context(STYLE):
         for column, model in zip(axes.T, models, strict=True):
-            own = rows.where(model=model)
+            shown = rows.where(model=model)
             for axis, cost in zip(column, COSTS, strict=True):
                 axis.sharex(column[0])  # before curves are drawn, so that the errors of all costs fit
-                draw_curves(axis, own, ERROR, cost, looks)
-                axis.axvspan(0.0, number(own.rows[0], "floor_rad"), color=FAINT, alpha=0.5, linewidth=0.0, zorder=0)
-            column[0].set_title(_title(own), fontsize=7.5)
+                draw_curves(axis, shown, ERROR, cost, looks)
+                axis.axvspan(0.0, number(shown.rows[0], "floor_rad"), color=FAINT, alpha=0.5, linewidth=0.0, zorder=0)
+            column[0].set_title(_title(shown), fontsize=7.5)
         for axis, label in zip(axes[:, 0], COSTS.values(), strict=True):
             axis.set_ylabel(label)
     picture, page = folder / "angles.png", folder / "work_precision.md"
@@ -123,8 +122,8 @@ def draw_curves(axis: Axes, rows: Table, error: str, cost: str, looks: Mapping[s
     """A column of costs against one of errors, a curve for each value of the column `by`, on logarithmic axes."""
     axis.set(xscale="log", yscale="log")
     for name in rows.values(by):
-        own = rows.where(**{by: name})
-        points = np.array([own.column(error), own.column(cost)])
+        curve = rows.where(**{by: name})
+        points = np.array([curve.column(error), curve.column(cost)])
         errors, costs = points[:, np.all(np.isfinite(points) & (points > 0.0), axis=0)]
         axis.plot(errors, costs, markersize=4, **looks[str(name)])
     use_decades(axis, "x")
@@ -170,8 +169,8 @@ def _page(rows: Table) -> str:
     columns = ("model", "panels", "method", "observed order", "cheapest setting within the goal", COSTS["wall_s"])
     lines = []
     for model, panels, method in dict.fromkeys((row["model"], row["panels"], row["method"]) for row in rows.rows):
-        own = rows.where(model=model, method=method)
-        row, found = cheapest(own), order(own)
+        of_method = rows.where(model=model, method=method)
+        row, found = cheapest(of_method), order(of_method)
         cells = ["none", "", ""]
         if row is not None:
             cells = [f"{row['setting']} {row['value']:g}", f"{row['wall_s']:.3g}", f"{row[ERROR]:.1e}"]

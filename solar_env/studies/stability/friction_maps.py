@@ -10,11 +10,10 @@ from dataclasses import replace
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.joints.laws import PowerLaw, lankarani_damping
-from solar_env.mechanics.mechanism.description import Bearing, Body, Load
-from solar_env.mechanics.mechanism.textbook import loaded_journal
+from solar_env.mechanics.mechanism import Bearing, Body, Load, loaded_journal
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.stability.maps import Axis, Cell, Kind, Said, StabilityMap, listen, log_range
+from solar_env.studies.stability.maps import Axis, Finding, Kind, Said, StabilityMap, listen, log_range
 
 LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4  # N, m, m
 FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, of the friction limit, kg m2
@@ -56,21 +55,21 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
     )
 
 
-def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Cell:
+def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Finding:
     """Sliding speed under half the friction limit; stiff if it is slow and explicit steps are below SHORT_STEP."""
 
-    def judge(run: Trajectory) -> Cell:
+    def judge(run: Trajectory) -> Finding:
         speed, expected = float(run.rates[-1, 0]) * RADIUS, creep_speed(speed_zero, speed_full)
         if abs(speed - expected) > 0.01 * expected:
-            return Cell(Kind.WRONG, speed)
+            return Finding(Kind.WRONG, speed)
         if speed > SLOW_CREEP:
             share = run.metadata["creeping_share"]
             told = (Said.FIGURE, f"creeping_share = {share:.3g} of the samples in contact") if share > 0.0 else ()
-            return Cell(Kind.CREEPS, speed, *told)
+            return Finding(Kind.CREEPS, speed, *told)
         steps, end = run.metadata["steps"], float(run.time[-1])
         if panel == EXPLICIT and end / steps < SHORT_STEP:
-            return Cell(Kind.STIFF, speed, Said.FIGURE, f"steps = {steps} for {end:.3g} s")
-        return Cell(Kind.FINE, speed)
+            return Finding(Kind.STIFF, speed, Said.FIGURE, f"steps = {steps} for {end:.3g} s")
+        return Finding(Kind.FINE, speed)
 
     return listen(lambda: creep(panel, speed_zero, speed_full), judge)
 

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta, steps_per_impact
 from solar_env.mechanics.joints.laws import CONTACT_LAWS, PowerLaw, contact_law, lankarani_damping
-from solar_env.mechanics.mechanism.description import Bearing
+from solar_env.mechanics.mechanism import Bearing
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.diagnosis import LARGEST_RESTITUTION_ERROR
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.stability.maps import Axis, Cell, Kind, Said, StabilityMap, classify_ratios, listen, log_range
+from solar_env.studies.stability.maps import Axis, Finding, Kind, Said, StabilityMap, classify_ratios, listen, log_range
 
 MASS, CLEARANCE, SPEED = 6.0, 2e-4, 0.1  # kg, m, m/s
 BOUNCES = 12
@@ -54,18 +54,18 @@ def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float
     return speeds[1:] / speeds[:-1] / exact if len(speeds) > 1 else np.zeros(1)
 
 
-def measure_implicit(panel: str, share: float, rho_inf: float) -> Cell:
+def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
     """Bounces under generalized-alpha with a fixed step of `share` of the first impact's duration."""
 
-    def judge(ratios: NDArray[np.float64]) -> Cell:
+    def judge(ratios: NDArray[np.float64]) -> Finding:
         worst = float(ratios[np.argmax(np.abs(ratios - 1.0))])
-        return Cell(classify_ratios(ratios.min(), ratios.max(), TOLERANCE), worst)
+        return Finding(classify_ratios(ratios.min(), ratios.max(), TOLERANCE), worst)
 
     step = share * contact_duration()
     return listen(lambda: bounce_ratios(_LAWS[panel], GeneralizedAlpha(step=step, rho_inf=rho_inf)), judge)
 
 
-def measure_restitution(law: str, restitution: float, speed: float) -> Cell:
+def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
     """Exit over entry speed of one bounce as the array describes it; wrong if it is off by more than 0.05."""
 
     def bounce() -> Trajectory:
@@ -76,11 +76,11 @@ def measure_restitution(law: str, restitution: float, speed: float) -> Cell:
         block = bouncing_block(bearing, MASS, speed)
         return simulate(block, duration, integrator=RungeKutta(), output_step=duration)
 
-    def judge(run: Trajectory) -> Cell:
+    def judge(run: Trajectory) -> Finding:
         ratio, slow = -float(run.velocities[-1, 0]) / speed, run.metadata["slow_contacts"]
         kind = Kind.FINE if abs(ratio - restitution) <= LARGEST_RESTITUTION_ERROR else Kind.WRONG
         message = f"slow_contacts = {slow}: began below the minimum impact speed, {SLOWEST:g} m/s"
-        return Cell(kind, ratio, Said.FIGURE, message) if slow else Cell(kind, ratio)
+        return Finding(kind, ratio, Said.FIGURE, message) if slow else Finding(kind, ratio)
 
     return listen(bounce, judge)
 

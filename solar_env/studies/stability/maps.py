@@ -14,8 +14,7 @@ from typing import TypeVar
 
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
-from solar_env.studies.common.tables import Cell as TableCell
-from solar_env.studies.common.tables import Table
+from solar_env.studies.common.tables import Cell, Table
 
 Value = float | int
 Result = TypeVar("Result")
@@ -57,8 +56,8 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Cell:
-    """Measurement at one place of a map: its class, what was measured (nan if the run raised), and what was said."""
+class Finding:
+    """Finding at one place of a map: its class, what was measured (nan if the run raised), and what was said."""
 
     kind: Kind
     value: float
@@ -77,7 +76,7 @@ class StabilityMap:
     panels: tuple[str, ...]  # in the order in which they are drawn
     quantity: str  # what the value of a cell is, with its unit
     advice: str  # one sentence that says what to do about the failures
-    measure: Callable[[str, float, float], Cell]  # panel, x and y to the cell
+    measure: Callable[[str, float, float], Finding]  # panel, x and y to the cell
     limit: Callable[[str, float], float] = lambda panel, y: math.nan  # theoretical, on x; nan where there is none
     limit_label: str = ""  # what the limit is and where it comes from
 
@@ -88,7 +87,7 @@ class StabilityMap:
                 for x in self.x.quick if quick else self.x.full:
                     yield panel, x, y
 
-    def row(self, panel: str, x: Value, y: Value) -> Mapping[str, TableCell]:
+    def row(self, panel: str, x: Value, y: Value) -> Mapping[str, Cell]:
         """Measure a cell and return its row of the table."""
         cell = self.measure(panel, x, y)
         place = {"panel": panel, self.x.column: x, self.y.column: y, "class": cell.kind, "value": cell.value}
@@ -101,7 +100,7 @@ class StabilityMap:
         return {"title": self.title, **axes, **texts}
 
 
-def listen(run: Callable[[], Result], judge: Callable[[Result], Cell]) -> Cell:
+def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Finding:
     """The cell of a run: that of its error, or as judged by its result; warnings of the library go into the cell."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
@@ -109,9 +108,9 @@ def listen(run: Callable[[], Result], judge: Callable[[Result], Cell]) -> Cell:
             result = run()
         except SimulationError as error:
             kinds = {"newton": Kind.NO_SOLUTION, "step_size": Kind.NO_SOLUTION, "steps": Kind.NO_END}
-            return Cell(kinds.get(error.reason, Kind.BLOW_UP), math.nan, Said.ERROR, str(error))
+            return Finding(kinds.get(error.reason, Kind.BLOW_UP), math.nan, Said.ERROR, str(error))
         except ValueError as error:
-            return Cell(Kind.REFUSED, math.nan, Said.ERROR, str(error))
+            return Finding(Kind.REFUSED, math.nan, Said.ERROR, str(error))
     cell = judge(result)
     if not caught:
         return cell

@@ -7,13 +7,12 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Any
 
-from solar_env.array import ArrayParameters, build
-from solar_env.array.methods import default_integrator
+from solar_env.array import ArrayParameters, build, default_integrator
 from solar_env.array.parameters.checks import UnitWarning
 from solar_env.mechanics.running.diagnosis import LARGEST_ENERGY_SHARE
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.studies.common.tables import Row, Table, provenance, write_table
-from solar_env.studies.stability.maps import Cell, Kind, Said, listen
+from solar_env.studies.stability.maps import Finding, Kind, Said, listen
 from solar_env.support.markdown import markdown_table
 
 FACTORS = tuple(10.0**decade for decade in range(-4, 5))
@@ -50,9 +49,9 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
         simulation.check()
         return simulation
 
-    def judge(simulation: Simulation) -> Cell:
+    def judge(simulation: Simulation) -> Finding:
         residual, turnover = simulation.energy_book()
-        return Cell(Kind.FINE if abs(residual) <= LARGEST_ENERGY_SHARE * turnover else Kind.WRONG, residual)
+        return Finding(Kind.FINE if abs(residual) <= LARGEST_ENERGY_SHARE * turnover else Kind.WRONG, residual)
 
     cell = listen(deployed, judge)
     ends = {Said.ERROR: STOPPED, Said.WARNING: WARNED, Said.SILENT: FINE if cell.kind == Kind.FINE else SILENT}

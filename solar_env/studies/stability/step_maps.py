@@ -1,7 +1,7 @@
 """Maps of fixed steps: changes of the step on index-3 multipliers, and stiff stops.
 
 A pendulum swings for a second; then the step changes, and the library solves accelerations and multiplier afresh. It is
-judged by the tension that its own position and velocity ask for: m (v^2 - g . r) / L^2 is the multiplier of the length
+judged by the tension that its position and velocity ask for: m (v^2 - g . r) / L^2 is the multiplier of the length
 constraint. The mode that grows with rho_inf = 1: A. Cardona and M. Geradin, Comput. Struct. 33 (1989) 801,
 doi:10.1016/0045-7949(89)90255-6.
 
@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.description import GROUND, Joint, Mechanism, Stop
-from solar_env.mechanics.mechanism.textbook import Link, pendulum
+from solar_env.mechanics.mechanism import GROUND, Joint, Link, Mechanism, Stop, pendulum
 from solar_env.mechanics.running.diagnosis import LARGEST_FORCE_SHARE
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.stability.maps import Axis, Cell, Kind, StabilityMap, classify_ratios, listen, log_range
+from solar_env.studies.stability.maps import Axis, Finding, Kind, StabilityMap, classify_ratios, listen, log_range
 
 FIRST_STEP, CHANGE_TIME, STEPS = 1e-2, 1.0, 200  # s, s, after the change
 EXPLICIT, DAMPED, PAPER = "runge-kutta", "generalized-alpha, 0.8", "paper (beta = 1/4)"
@@ -44,14 +43,14 @@ def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
     return errors
 
 
-def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Cell:
+def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Finding:
     """Greatest error of the multiplier after a change: fine up to a fifth of the force, spikes if only for a while."""
 
-    def judge(errors: NDArray[np.float64]) -> Cell:
+    def judge(errors: NDArray[np.float64]) -> Finding:
         tolerance = 2.0 * LARGEST_FORCE_SHARE
         recovers = errors[-STEPS // 4 :].max() <= tolerance
         kind = Kind.FINE if errors.max() <= tolerance else Kind.SPIKES if recovers else Kind.GROWING
-        return Cell(kind, float(errors.max()))
+        return Finding(kind, float(errors.max()))
 
     return listen(lambda: multiplier_errors(ratio, rho_inf), judge)
 
@@ -68,19 +67,19 @@ def impact_time(stiffness: float) -> float:
     return math.pi * math.sqrt(INERTIA / stiffness)
 
 
-def measure_latch(panel: str, step: float, stiffness: float) -> Cell:
+def measure_latch(panel: str, step: float, stiffness: float) -> Finding:
     """Energy after some bounces between the faces of a latch over that at the start; wrong if only the depth is."""
     duration = LATCH_TIME + 2.0 * impact_time(stiffness)
     method: Integrator = RungeKutta(max_step=step, max_steps=MOST_STEPS)
     if panel != EXPLICIT:
         method = GeneralizedAlpha(step=step, rho_inf=0.8 if panel == DAMPED else 1.0, max_steps=MOST_STEPS)
 
-    def judge(run: Trajectory) -> Cell:
+    def judge(run: Trajectory) -> Finding:
         energy = 1.0 + float(run.energies["residual"][-1] / run.energies["kinetic"][0])
         kind = classify_ratios(energy, energy, TOLERANCE)
         depth = np.abs(run.angles[run.time >= run.latch_times[0]] - LOCK).max() - GAP
         sinks = abs(depth / (RATE * math.sqrt(INERTIA / stiffness)) - 1.0) > TOLERANCE
-        return Cell(Kind.WRONG if sinks and kind == Kind.FINE else kind, energy)
+        return Finding(Kind.WRONG if sinks and kind == Kind.FINE else kind, energy)
 
     link = swinging_link(stiffness)
     return listen(lambda: simulate(link, duration, integrator=method, output_step=duration / 5_000.0), judge)

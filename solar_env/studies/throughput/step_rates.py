@@ -79,7 +79,7 @@ def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
 
 
 # Environment, and what puts its lanes to the moments of a round.
-Contestant = tuple[Any, Sequence[Callable[[], Any]]]
+Contestant = tuple[Any, Sequence[Callable[[], object]]]
 
 
 def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
@@ -118,10 +118,10 @@ def measure_rate(model: str, lanes: int) -> dict[str, float]:
     return {**rates, "physics": taken["attempt"] / taken["step"]} if lanes == SCALED_LANES else rates
 
 
-def _timed(function: Callable[..., Any], taken: dict[str, float], name: str) -> Callable[..., Any]:
+def _timed(function: Callable[..., object], taken: dict[str, float], name: str) -> Callable[..., object]:
     """The function, which adds the time of each call to `taken` [s]."""
 
-    def call(*arguments: Any) -> Any:
+    def call(*arguments: object) -> object:
         start = time.perf_counter()
         result = function(*arguments)
         taken[name] += time.perf_counter() - start
@@ -174,12 +174,12 @@ def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
     rows = [
         (
             model,
-            *(f"{own[str(lanes)]:,.0f}" for lanes in LANES),
-            f"{own['threads']:.2f}",
-            f"{own['physics']:.1%}",
-            *(f"{own[peer]:.2f}" for peer in PEERS),
+            *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES),
+            f"{measured['threads']:.2f}",
+            f"{measured['physics']:.1%}",
+            *(f"{measured[peer]:.2f}" for peer in PEERS),
         )
-        for model, own in figures.items()
+        for model, measured in figures.items()
     ]
     return (
         f"Environment steps (0.1 s) per second by number of lanes, {threads} threads; with {SCALED_LANES} lanes the "

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.description import Body, Mechanism
+from solar_env.mechanics.mechanism import Body, Mechanism
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.verification.arrays.theory import joint_angles_over_time, latch_time
 from solar_env.verification.beams.fields import momenta

@@ -12,13 +12,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, build
-from solar_env.array.methods import default_integrator
+from solar_env.array import ArrayParameters, build, default_integrator
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints.joint import penetration
-from solar_env.mechanics.modal.arrays import DEPTH, DEPTH_RATE, OTHER, ModalModel, ModalState
-from solar_env.mechanics.modal.formulation import present_motion
+from solar_env.mechanics.modal.arrays import DEPTH, DEPTH_RATE, ModalModel, ModalState
 from solar_env.mechanics.records.history import IMPACT_DURATIONS
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation
@@ -45,16 +43,15 @@ def _contacts(simulation: Simulation, end_time: float) -> list[tuple[float, int,
     simulation.advance(end_time, recorder)
     rows = recorder.contacts[: recorder.filled[1]]
     ended = [(float(start), int(joint), float(end)) for joint, start, end in rows[:, :3]]
-    own = simulation.state.joints
-    return ended + [(float(own["contact_start"][j]), int(j), np.nan) for j in np.flatnonzero(own["in_contact"])]
+    joints = simulation.state.joints
+    return ended + [(float(joints["contact_start"][j]), int(j), np.nan) for j in np.flatnonzero(joints["in_contact"])]
 
 
 def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
     """Depth [m] of the contact of joint `j`, negative for a gap, and its rate [m/s]."""
     model, state = simulation.model, simulation.state
     if isinstance(model, ModalModel):
-        motion = present_motion(model, state).joints["motion"][j, OTHER]
-        return float(motion[DEPTH]), float(motion[DEPTH_RATE])
+        return float(state.motion[j, DEPTH]), float(state.motion[j, DEPTH_RATE])
     depth, rate = penetration(model.joints[j], model.markers, state.q, state.v)
     return float(depth), float(rate)
 
@@ -108,12 +105,12 @@ def impacts(model: str, duration: float, tight: Integrator, longest: float) -> t
             run.restore(before)
             run.advance(begun + 1e-9)
             start = run.snapshot()
-            own = start.joints[j]
+            joint = start.joints[j]
             # At the minimum impact speed it is a journal that leans on its bearing.
-            if own["in_contact"] and own["impact_speed"] > run.model.joints[j]["minimum_impact_speed"]:
+            if joint["in_contact"] and joint["impact_speed"] > run.model.joints[j]["minimum_impact_speed"]:
                 ends = [_exit(simulation, start, j, longest) for simulation in (run, tight_run)]
                 if all(ends):
-                    rows.append((float(own["impact_speed"]), *ends[0], *ends[1]))
+                    rows.append((float(joint["impact_speed"]), *ends[0], *ends[1]))
         run.restore(after)
     speed, exit_speed, length, contacts, tight_exit_speed, tight_length, tight_contacts = np.array(rows).T
     same = (contacts == tight_contacts) & (np.abs(length - tight_length) < 0.1 * tight_length)

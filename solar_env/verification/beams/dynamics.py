@@ -8,6 +8,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.mechanism import STANDARD_GRAVITY, Load
 from solar_env.mechanics.mechanism.beams import (
     BEAM,
     PENDULUM_BEAM,
@@ -17,8 +18,6 @@ from solar_env.mechanics.mechanism.beams import (
     free_beam,
     spin_up_beam,
 )
-from solar_env.mechanics.mechanism.description import Load
-from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import flexible_body, momenta, tip

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from solar_env.mechanics.mechanism.description import Body, FlexibleBody, Mechanism
+from solar_env.mechanics.mechanism import Body, FlexibleBody, Mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
 
 Field = NDArray[np.complex128]
@@ -24,25 +24,25 @@ def coordinates_of(body: FlexibleBody, first: int = 0) -> slice:
     return slice(first, first + 4 * (body.elements + 1))
 
 
-def as_complex(coordinates: NDArray[Any]) -> Field:
+def as_complex(coordinates: NDArray[np.float64]) -> Field:
     """(points, ...) x + i y of coordinates (..., 2 points) that alternate between x and y."""
     pairs = coordinates.reshape(*coordinates.shape[:-1], -1, 2)
     return np.moveaxis(pairs[..., 0] + 1j * pairs[..., 1], -1, 0)
 
 
-def nodes(body: FlexibleBody, values: NDArray[Any], first: int = 0) -> tuple[Field, Field]:
+def nodes(body: FlexibleBody, values: NDArray[np.float64], first: int = 0) -> tuple[Field, Field]:
     """Places (nodes, ...) and slopes of a body whose coordinates start at `first` in `values` (..., n)."""
     points = as_complex(np.asarray(values)[..., coordinates_of(body, first)])
     return points[0::2], points[1::2]
 
 
-def tip(body: FlexibleBody, values: NDArray[Any]) -> Any:
+def tip(body: FlexibleBody, values: NDArray[np.float64]) -> Any:
     """Place x + i y of the last node, or its velocity."""
     return nodes(body, values)[0][-1]
 
 
 def beam_points(
-    body: FlexibleBody, coordinates: NDArray[Any], velocities: NDArray[Any], first: int
+    body: FlexibleBody, coordinates: NDArray[np.float64], velocities: NDArray[np.float64], first: int
 ) -> tuple[Field, Field, NDArray[np.float64]]:
     """Places and velocities (..., points) along a body, and the mass (points,) [kg] that each stands for.
 

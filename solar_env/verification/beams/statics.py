@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from solar_env.mechanics.analysis.linearization import natural_frequencies, static_equilibrium
-from solar_env.mechanics.mechanism.beams import PANEL, Beam, cantilever
-from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.mechanism import PANEL, Beam, Mechanism, cantilever
 from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import flexible_body, nodes
 from solar_env.verification.checks import Check, compare

@@ -17,7 +17,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from solar_env.mechanics.mechanism.beams import Beam
+from solar_env.mechanics.mechanism import Beam
 
 Array = NDArray[np.float64]
 

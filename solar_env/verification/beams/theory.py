@@ -13,7 +13,7 @@ from scipy.integrate import quad, solve_bvp
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
-from solar_env.mechanics.mechanism.beams import Beam
+from solar_env.mechanics.mechanism import Beam
 
 Array = NDArray[np.float64]
 

@@ -55,10 +55,10 @@ def material_damping() -> Iterator[Check]:
     """Decay of the first bending mode of a damped cantilever."""
     beam = replace(PANEL, damping=1e-3)
     mechanism = cantilever(beam, 6)
-    own = coordinates_of(flexible_body(mechanism))
+    of_beam = coordinates_of(flexible_body(mechanism))
     system = linearize(mechanism)
-    free = null_space(system.constraints[:, own])
-    projected = (free.T @ matrix[own, own] @ free for matrix in (system.stiffness, system.mass))
+    free = null_space(system.constraints[:, of_beam])
+    projected = (free.T @ matrix[of_beam, of_beam] @ free for matrix in (system.stiffness, system.mass))
     squares, shapes = eigh(*projected, subset_by_index=[0, 0])
     shape, omega = free @ shapes[:, 0], math.sqrt(float(squares[0]))
     simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))
@@ -70,7 +70,7 @@ def material_damping() -> Iterator[Check]:
     start = float(simulation.stored_energies()[[KINETIC, ELASTIC]].sum())
     simulation.advance(duration)
     left = float(simulation.stored_energies()[[KINETIC, ELASTIC]].sum())
-    # Relative; the integrator's own damping is some (omega h)^3 / (damping omega).
+    # Relative; the integrator's damping is some (omega h)^3 / (damping omega).
     obtained = -0.5 * math.log(left / start) / duration
     quantity = f"decay rate of the first bending mode [1/s], from the energy after {cycles} periods"
     yield Check(quantity, rate, obtained, 1e-3, MODAL_DECAY, relative=True)

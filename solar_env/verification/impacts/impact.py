@@ -16,7 +16,7 @@ from scipy.special import beta
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, RungeKutta
 from solar_env.mechanics.joints.laws import CONTACT_LAWS, PowerLaw, Surfaces, contact_law, lankarani_damping
-from solar_env.mechanics.mechanism.description import Bearing
+from solar_env.mechanics.mechanism import Bearing
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory

@@ -12,8 +12,7 @@ import numpy as np
 from solar_env.mechanics.arrays.columns import NORMAL, RATE, TANGENTIAL
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.joints.laws import PowerLaw, lankarani_damping
-from solar_env.mechanics.mechanism.description import Bearing
-from solar_env.mechanics.mechanism.textbook import loaded_journal
+from solar_env.mechanics.mechanism import Bearing, loaded_journal
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.verification.checks import Check, compare
 

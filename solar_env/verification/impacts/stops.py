@@ -8,8 +8,7 @@ from scipy.integrate import solve_ivp
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta
-from solar_env.mechanics.mechanism.description import GROUND, Joint, Mechanism, Stop
-from solar_env.mechanics.mechanism.textbook import Link
+from solar_env.mechanics.mechanism import GROUND, Joint, Link, Mechanism, Stop
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.verification.checks import ENERGY, Check, compare
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import ellipj, ellipk
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, pendulum
+from solar_env.mechanics.mechanism import STANDARD_GRAVITY, pendulum
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import ARNOLD_BRULS, Check, compare
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from solar_env.mechanics.arrays import columns
-from solar_env.mechanics.mechanism.beams import PANEL
-from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.mechanism import PANEL, Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.verification.beams.theory import deflected_tip
 from solar_env.verification.checks import Check

@@ -7,8 +7,8 @@ panel's motion; a moment is the motor torque of a joint so loose that its surfac
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.integrators.settings import ModalRadau
 from solar_env.mechanics.joints.laws import PowerLaw
+from solar_env.mechanics.mechanism import GROUND, Bearing, Joint, Mechanism, ModalPanel, Point, Spring
 from solar_env.mechanics.mechanism.beams import BEAM, Beam
-from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, ModalPanel, Point, Spring
 from solar_env.mechanics.running.simulation import Simulation
 
 _FAR = 1e6  # m

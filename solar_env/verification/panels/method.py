@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.integrators.settings import ModalRadau
 from solar_env.mechanics.joints.laws import PowerLaw
+from solar_env.mechanics.mechanism import GROUND, Bearing, Joint, Mechanism, Spring
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
-from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, Spring
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import ENERGY, MOMENTUM, Check
 from solar_env.verification.panels.mechanisms import modal, start
@@ -61,20 +61,22 @@ def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
 def order() -> Iterator[Check]:
     """Order of convergence in motion and loads, of a hinge in lasting contact and of an ideal one.
 
-    Reactions are the algebraic variables of a system of index two, of which the method is of second order at least.
+    Reactions are the algebraic variables of a system of index two: the method finds them, and loads at the ends of
+    steps, with order three. Motion is of order five, but with ideal joints the foreshortening that reactions follow
+    lowers it to theirs.
     """
     halvings = 3
-    source = "two-stage Radau IIA: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996"
+    source = "three-stage Radau IIA: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996"
     variants = (
-        ("contact", Bearing(0.01, 0.1, PowerLaw(1e6)), "its normal force", (3.0, 0.3)),
-        ("ideal hinge", None, "reactions", (2.0, 0.5)),
+        ("contact", Bearing(0.01, 0.1, PowerLaw(1e6)), "its normal force", (5.0, 0.3)),
+        ("ideal hinge", None, "reactions", (3.0, 0.5)),
     )
-    for name, bearing, load, of_load in variants:
+    for name, bearing, load, of_motion in variants:
         errors = _errors(_swing(bearing), halvings)
         found = np.log2(errors[0] / errors[-1]) / halvings
-        expected = {"motion": (3.0, 0.3), "torques of the springs": (3.0, 0.3), load: of_load}
-        for (quantity, (order_, tolerance)), own in zip(expected.items(), found, strict=True):
-            yield Check(f"{name}: order of convergence in {quantity}", order_, own, tolerance, source)
+        expected = {"motion": of_motion, "torques of the springs": of_motion, load: (3.0, 0.4)}
+        for (quantity, (order_, tolerance)), reached in zip(expected.items(), found, strict=True):
+            yield Check(f"{name}: order of convergence in {quantity}", order_, reached, tolerance, source)
 
 
 def free_chain() -> Iterator[Check]:

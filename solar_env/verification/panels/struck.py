@@ -14,8 +14,8 @@ from scipy.optimize import brentq
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.laws import PowerLaw
+from solar_env.mechanics.mechanism import Bearing, Body, Joint, Mechanism
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
-from solar_env.mechanics.mechanism.description import Bearing, Body, Joint, Mechanism
 from solar_env.verification.checks import Check
 from solar_env.verification.panels.mechanisms import modal, start
 from solar_env.verification.panels.theory import FineBeam
@@ -162,11 +162,11 @@ def _strike(impact: Impact, direction: complex, modes: int, duration: float) -> 
     joint = Joint("contact", BEAM, "striker", (0.0, 0.0), (0.0, 0.0), bearing=bearing)
     simulation = start(Mechanism((modal(PANEL, modes), striker), (joint,)), rtol=1e-5)
     simulation.advance(duration)
-    own = simulation.state.joints[0]
+    contact = simulation.state.joints[0]
     first = int(simulation.model.bodies["offset"][1])
     speed = complex(simulation.state.v[first], simulation.state.v[first + 1]) * direction.conjugate()
     impulse = m.joint_integrals(simulation.state.integrals)[0, m.IMPULSE]
-    return float(own["peak_force"]), float(impulse), speed.real, float(own["contact_starts"])
+    return float(contact["peak_force"]), float(impulse), speed.real, float(contact["contact_starts"])
 
 
 def _checks(

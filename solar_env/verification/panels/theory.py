@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.mechanism.beams import Beam
+from solar_env.mechanics.mechanism import Beam
 from solar_env.verification.beams.theory import bending_frequencies, bending_wave_numbers
 
 Array = NDArray[np.float64]

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from solar_env.mechanics.integrators.settings import RungeKutta
+from solar_env.mechanics.mechanism import GROUND, STANDARD_GRAVITY, Joint, Mechanism
 from solar_env.mechanics.mechanism.beams import PANEL, Beam, flexible_pendulum
-from solar_env.mechanics.mechanism.description import GROUND, Joint, Mechanism
-from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.beams.fields import flexible_body, tip

@@ -42,7 +42,7 @@ def test_a_profile_chatters_before_or_after_the_latch_with_its_half_period_and_p
 
 
 def test_the_study_writes_the_best_profiles_and_their_figures(tmp_path, monkeypatch):
-    keywords = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 1.0}
+    keywords = {"model": "rigid-ideal", "control_period": 0.5, "settling_window": 1.0}
     monkeypatch.setattr(attack, "KEYWORDS", keywords)
     execute("study", ["attack-on-reward", "--quick", "--quiet", "--out", str(tmp_path)])
     record = json.loads((tmp_path / attack.FILE).read_text())

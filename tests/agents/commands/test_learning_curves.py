@@ -9,7 +9,7 @@ from solar_env.__main__ import execute
 from solar_env.studies.common.tables import read_table
 
 SMALL = {"n_steps": 10, "batch_size": 10}
-SHORT = {"postlock_window": 0.2, "control_period": 0.1}
+SHORT = {"settling_window": 0.2, "control_period": 0.1}
 
 
 def test_every_agent_has_a_curve_of_every_seed_beside_the_laws(tmp_path, monkeypatch):

@@ -14,6 +14,7 @@ from agents.commands import replay
 from solar_env.__main__ import main
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.showing.recording import RecordTrajectory
+from solar_env.pictures import films
 
 RIGID = ["--model", "rigid-clearance", "--quiet"]
 
@@ -27,7 +28,7 @@ def passive_episode(env):
 
 
 def test_a_recorded_episode_stays_the_same_to_the_bit_and_agrees_with_its_figures():
-    plain = gymnasium.make(DEPLOY, model="rigid-clearance", deadline=13.0, postlock_window=1.0)
+    plain = gymnasium.make(DEPLOY, model="rigid-clearance", deadline=13.0, settling_window=1.0)
     recorded = RecordTrajectory(plain, output_step=0.002)
     expected = passive_episode(plain)
     assert passive_episode(recorded) == expected
@@ -79,33 +80,33 @@ def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
 def test_a_film_shows_all_controllers_in_their_time(suffix, tmp_path):
     encoder = pytest.importorskip("imageio_ffmpeg")
     path, (width, speed) = tmp_path / f"film{suffix}", replay.FILMS[suffix]
-    short = [*RIGID, "--env-kwargs", "deadline=0.9", "postlock_window=0.3", "control_period=0.3"]
+    short = [*RIGID, "--env-kwargs", "deadline=0.9", "settling_window=0.3", "control_period=0.3"]
     assert main(["replay", "--controllers", "passive", "damper", *short, "--out", str(path)]) == 0
-    frames = round(0.9 / (speed / replay.FRAMES_PER_SECOND))
+    frames = round(0.9 / (speed / films.FRAMES_PER_SECOND))
     if suffix == ".mp4":
         assert encoder.count_frames_and_secs(str(path)) == (frames, pytest.approx(0.1 * frames, abs=0.11))
         return
     with Image.open(path) as shown:
         assert shown.n_frames == frames
         assert shown.info["duration"] == 100
-        assert shown.size == (width, 2 * (replay.CAPTION + round(width * 540 / 960)))
+        assert shown.size == (width, 2 * (films.CAPTION + round(width * 540 / 960)))
 
 
 def test_every_episode_of_a_film_stands_under_its_controllers_name(tmp_path):
     blank = np.full((540, 960, 3), 255, np.uint8)
-    films = [[replay._captioned(blank, name, 640)] * count for name, count in (("passive", 1), ("servo", 3))]
-    replay.write_film(films, tmp_path / "film.gif")
+    shown_films = [[films.captioned(blank, name, 640)] * count for name, count in (("passive", 1), ("servo", 3))]
+    films.write_film(shown_films, tmp_path / "film.gif")
     with Image.open(tmp_path / "film.gif") as shown:
         picture = np.asarray(shown.convert("L"), int)
-    for top, (alone, *_) in zip((0, picture.shape[0] // 2), films, strict=True):
-        own = np.asarray(alone.convert("L"), int)[: replay.CAPTION]
-        assert np.abs(picture[top : top + replay.CAPTION] - own).mean() < 2.0
+    for top, (alone, *_) in zip((0, picture.shape[0] // 2), shown_films, strict=True):
+        own = np.asarray(alone.convert("L"), int)[: films.CAPTION]
+        assert np.abs(picture[top : top + films.CAPTION] - own).mean() < 2.0
 
 
 def test_a_figure_shows_the_same_episode_of_every_controller(tmp_path, monkeypatch):
     drawn, draw = [], replay.deployments_figure
     monkeypatch.setattr(replay, "deployments_figure", lambda *given: drawn.append(given[0]) or draw(*given))
-    short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "postlock_window=1.0"]
+    short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "settling_window=1.0"]
     assert main(["replay", *RIGID, *short, "--out", str(tmp_path / "figure.png")]) == 0
     with Image.open(tmp_path / "figure.png") as figure:
         assert min(figure.size) > 500

@@ -88,7 +88,7 @@ def test_a_run_folder_with_a_name_that_is_too_long_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--algo", "sac"], "--algo sac: --resume goes on with the run's own; leave it out"),
+        (["--algo", "sac"], "--algo sac: --resume goes on with the run's; leave it out"),
         (["--model", "rigid-ideal"], "--model rigid-ideal: --resume goes on"),
         (["--n-envs", "3"], "--n-envs 3: --resume goes on"),
         (["--hyperparams", "n_steps=200"], "--hyperparams .*: --resume goes on"),

@@ -89,17 +89,17 @@ def test_the_command_stores_the_best_that_it_found_with_its_return_and_that_of_t
 
 def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judged):
     budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
-    had = {"parameters": {"damping": 0.25, "postlock_damping": 0.5}, "tuning": {"training_episodes": 30}}
+    had = {"parameters": {"damping": 0.25, "settling_damping": 0.5}, "tuning": {"training_episodes": 30}}
     found, distances = {}, {}
     for options in ([], ["--refine", DEFAULT_ENV_ID]):
         judged.clear()
         (configs / "damper.json").write_text(json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": had}}))
         execute("tune", ["--controller", "damper", "--quiet", *options, *budget])
         found[bool(options)] = stored(configs)["tuning"]
-        start = TUNABLE["damper"].defaults.postlock_damping if not options else 0.5
-        distances[bool(options)] = np.mean([abs(p.postlock_damping - start) for p in judged[0][0]])
+        start = TUNABLE["damper"].defaults.settling_damping if not options else 0.5
+        distances[bool(options)] = np.mean([abs(p.settling_damping - start) for p in judged[0][0]])
     assert found[False]["start"] == asdict(TUNABLE["damper"].defaults)
-    assert found[True]["start"] == {"damping": 0.25, "postlock_damping": 0.5}
+    assert found[True]["start"] == {"damping": 0.25, "settling_damping": 0.5}
     assert distances[True] < 0.5 * distances[False]
     assert found[False]["training_episodes_with_start"] == 6
     assert found[True]["training_episodes_with_start"] == 36
@@ -111,7 +111,7 @@ def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judge
 )
 def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models(configs, options, model):
     before = json.loads((configs / "damper.json").read_text())[DEFAULT_ENV_ID]
-    short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
+    short = ["--env-kwargs", "deadline=0.3", "settling_window=0.2", "--quiet"]
     budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1", "--jobs", "1"]
     execute("tune", ["--controller", "damper", *options, *budget, *short])
     after = json.loads((configs / "damper.json").read_text())[DEFAULT_ENV_ID]

@@ -22,7 +22,7 @@ from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
 from solar_env.__main__ import execute, main
 from solar_env.environment.registration import DEPLOY_RANDOMISED
-from solar_env.support.numbers import plain
+from solar_env.support.values import plain
 
 ALONE = ["--quiet", "--jobs", "1"]
 
@@ -93,7 +93,7 @@ def test_finished_episodes_that_are_none_are_told_by_their_file(tmp_path, capsys
     assert error.count("\n") == 1
 
 
-QUICK = ["deadline=0.5", "postlock_window=0.2"]
+QUICK = ["deadline=0.5", "settling_window=0.2"]
 
 
 def evaluated_on(folder, *arguments):

@@ -18,7 +18,7 @@ SHORT = {
     "parameters": {"spring_stiffness": 2.0},
     "randomize": {"clearance": (1e-4, 3e-4)},
     "deadline": 4.0,
-    "postlock_window": 0.3,
+    "settling_window": 0.3,
 }
 QUICK = SearchSettings(knots=4, candidates=5, elites=2, replan_every=12, initial_deviation=0.2, least_deviation=0.02)
 

@@ -37,7 +37,7 @@ class World:
 
     def __init__(self, wanted=0.6, lengths=lambda count: np.full(count, 14)):
         self.unwrapped, self.wanted, self.lengths = self, wanted, lengths
-        self.task = SimpleNamespace(control_period=PERIOD, deadline=DEADLINE, postlock_window=AFTER)
+        self.task = SimpleNamespace(control_period=PERIOD, deadline=DEADLINE, settling_window=AFTER)
         self.period, self.tried = 0, []
 
     @property

@@ -25,7 +25,7 @@ NAMES += ("motor_torque", "time_to_deadline", "time_since_latch")
 LIMIT = 0.5
 SIGNALS = Signals(NAMES, LIMIT)
 TIME_LEFT = 0.3 * SIGNALS.deadline  # in the observations of `observe`
-SERVO = replace(ServoParameters(), difference_damping=3.0, postlock_damping=2.0)
+SERVO = replace(ServoParameters(), difference_damping=3.0, settling_damping=2.0)
 SOFT_START = SoftStartParameters(
     **vars(SERVO), torques=tuple(np.linspace(-0.2, 0.24, 12).tolist()), handover=10.0, blending=4.0
 )
@@ -110,9 +110,9 @@ def test_the_tuned_soft_start_wears_the_bearings_less_than_the_servo_where_panel
 
 
 def test_servo_opposes_joint_1_and_holds_it_at_its_lock_angle_after_the_last_latch():
-    servo = VelocityProfileServo(SIGNALS, replace(SERVO, postlock_stiffness=4.0))
+    servo = VelocityProfileServo(SIGNALS, replace(SERVO, settling_stiffness=4.0))
     turning, off_lock = (servo.predict(observe(*state, latched=1.0))[0] for state in ((1.0, 0.02), (1.01, 0.0)))
-    assert turning == pytest.approx(-SERVO.postlock_damping * 0.02 * np.pi / 2 / LIMIT, rel=1e-5)
+    assert turning == pytest.approx(-SERVO.settling_damping * 0.02 * np.pi / 2 / LIMIT, rel=1e-5)
     assert off_lock == pytest.approx(-4.0 * 0.01 * np.pi / 2 / LIMIT, rel=1e-4)
 
 
@@ -144,7 +144,7 @@ def test_the_joints_share_in_the_opening_by_their_weights(weight, share):
 
 
 def test_damper_opposes_the_rate_of_joint_1_by_its_coefficient_of_the_phase():
-    damper = ViscousDamper(SIGNALS, DamperParameters(damping=0.5, postlock_damping=2.0))
+    damper = ViscousDamper(SIGNALS, DamperParameters(damping=0.5, settling_damping=2.0))
     opening, latched = observe(0.5, 0.1), observe(1.0, 0.1, latched=1.0)
     assert damper.predict(opening)[0] == pytest.approx(-0.5 * 0.1 * np.pi / 2 / LIMIT, rel=1e-5)
     assert damper.predict(latched)[0] == pytest.approx(-2.0 * 0.1 * np.pi / 2 / LIMIT, rel=1e-5)

@@ -11,8 +11,9 @@ from training import write_policy
 from agents.comparison import evaluation
 from agents.comparison.controllers import parse_controller
 from agents.comparison.evaluation import episode_cell, evaluate
+from agents.configs import CONFIGS
 from agents.environments import make_env
-from agents.laws.baselines import CONFIGS, load_parameters
+from agents.laws.baselines import load_parameters
 from agents.laws.servo import ServoParameters
 from agents.laws.table import LAWS, TUNABLE
 from agents.policies import shipped

@@ -15,7 +15,7 @@ from agents.learning.storage import packed
 from solar_env.support import files
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
-QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0, "observation": "drive"}
+QUICK = {"model": "rigid-ideal", "control_period": 0.5, "settling_window": 2.0, "observation": "drive"}
 ON_POLICY = {"n_steps": 20, "batch_size": 20}
 OFF_POLICY = {"learning_starts": 30, "buffer_size": 500, "batch_size": 16, "train_freq": 10, "gradient_steps": 2}
 # Name -> algorithm, hyperparameters.

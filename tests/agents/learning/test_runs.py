@@ -19,7 +19,7 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 def test_a_run_keeps_its_model_and_is_resumed_and_evaluated_on_it(tmp_path):
     model = "flexible-clearance:1 element"
-    quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "control_period=0.1"]
+    quick = ["--env-kwargs", "deadline=0.5", "settling_window=0.2", "control_period=0.1"]
     quick += ["--n-envs", 1, "--algo", "ppo"]
     small = ["--timesteps", 20, "--hyperparams", "n_steps=10", "batch_size=10"]
     first = run("--model", model, *quick, *small, "--out", tmp_path / "first")
@@ -30,7 +30,7 @@ def test_a_run_keeps_its_model_and_is_resumed_and_evaluated_on_it(tmp_path):
     assert runs.read_config(second).env_kwargs == config.env_kwargs
 
 
-SEARCH = ["--algo", "cma-es", "--env-kwargs", "control_period=0.5", "postlock_window=2.0", "--timesteps", 100]
+SEARCH = ["--algo", "cma-es", "--env-kwargs", "control_period=0.5", "settling_window=2.0", "--timesteps", 100]
 SEARCH += ["--n-envs", 2, "--hyperparams", "population=4"]
 
 

@@ -16,7 +16,7 @@ LANES = 3
 KEYWORDS = {
     "randomize": {"clearance": (1e-4, 3e-4)},
     "parameters": {"spring_stiffness": 2.0},  # deploys within three seconds
-    "postlock_window": 1.0,
+    "settling_window": 1.0,
 }
 
 

@@ -18,7 +18,7 @@ SEARCHES = {
     "ars": (WeightSearch, {"n_delta": 4, "learning_rate": 0.01, "delta_std": 0.02}),
     "cma-es": (CMAES, {"population": 8, "generations_between": 3, "finalists": 1}),
 }
-QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0}
+QUICK = {"model": "rigid-ideal", "control_period": 0.5, "settling_window": 2.0}
 QUICK |= {"action": "rate", "observation": "landing"}
 
 each = pytest.mark.parametrize("name", SEARCHES)

@@ -8,8 +8,8 @@ import onnxruntime
 import pytest
 
 from agents.comparison.controllers import parse_controller
-from agents.comparison.evaluation import MODEL, SUITES
-from agents.environments import INTERFACE, episode_seeds, make_env, with_sampling
+from agents.comparison.evaluation import SUITES
+from agents.environments import INTERFACE, MODEL, episode_seeds, make_env, with_sampling
 from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode

@@ -111,6 +111,12 @@ def test_descriptions_that_do_not_fit_are_named(own, changes, message):
         load_shipped(own)
 
 
+def test_descriptions_written_before_the_settling_window_had_its_name_are_read(own):
+    path = own / shipped.DESCRIPTION
+    path.write_text(path.read_text().replace("settling_window", "postlock_window"))
+    assert load_shipped(own).description.settling_window == 2.0
+
+
 def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
     with pytest.raises(
@@ -128,7 +134,7 @@ def test_observations_and_environments_of_another_kind_are_refused(finished):
     for keywords, message in [
         ({"torque_limit": 0.3}, r"torque_limit is 0\.3; the policy was trained with 0\.5"),
         ({"control_period": 0.1}, r"control_period is 0\.1; the policy was trained with 0\.5"),
-        ({"postlock_window": 5.0}, r"postlock_window is 5\.0; the policy was trained with 2\.0"),
+        ({"settling_window": 5.0}, r"settling_window is 5\.0; the policy was trained with 2\.0"),
         ({"observation": "history"}, r"names is .*theta_1_1_ago"),
     ]:
         with make_env(env_kwargs={**QUICK, **keywords}) as env, pytest.raises(ValueError, match=message):

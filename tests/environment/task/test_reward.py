@@ -163,7 +163,7 @@ def test_how_close_to_the_deadline_it_latched_makes_no_difference(model):
         deadline = TASK.control_period * math.ceil(ample.last_latch / TASK.control_period)
         tight = deploy([constant(action)], model=model, deadline=deadline)[0]
         assert tight.terms == ample.terms
-        assert tight.times[-1] == pytest.approx(ample.last_latch + TASK.postlock_window)
+        assert tight.times[-1] == pytest.approx(ample.last_latch + TASK.settling_window)
         assert sum(sum(terms) for terms in tight.terms[round(deadline / TASK.control_period) :]) < 0.0
 
 

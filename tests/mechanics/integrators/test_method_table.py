@@ -47,9 +47,12 @@ def deploying(name: str, **changes: float) -> Simulation:
     return Simulation(build(replace(ARRAY, **changes), LEVELS.get(name, "rigid-clearance")), controlled(name))
 
 
-def at_fixed_step(name: str, mechanism: Mechanism, step: float) -> Simulation:
+def at_fixed_step(name: str, mechanism: Mechanism, step: float, rtol: float = 0.1) -> Simulation:
     """A simulation that takes steps of one size, whatever their error."""
     loose = {} if name == FIXED else {"velocity_scale": 1e9, "rtol": 0.1}
+    if name == "modal-radau":
+        # Newton's iteration goes by the tolerance, too.
+        loose = {"velocity_scale": 0.1, "rtol": rtol}
     simulation = Simulation(mechanism, INTEGRATORS[name](**loose).with_options(step, None))
     simulation.state.clock["step_size"], simulation.state.clock["last_error"] = step, 1.0
     return simulation
@@ -76,13 +79,17 @@ def test_the_table_has_a_row_for_every_choice_of_settings() -> None:
 
 
 @every_method
-@pytest.mark.parametrize("mechanism", [pendulum(), floating_pair()], ids=["constrained and projected", "free bodies"])
-def test_a_method_converges_with_the_order_that_its_row_declares(name: str, mechanism: Mechanism) -> None:
+@pytest.mark.parametrize(
+    ("mechanism", "rtol"),
+    [(pendulum(), 1e-3), (floating_pair(), 1e-4)],
+    ids=["constrained and projected", "free bodies"],
+)
+def test_a_method_converges_with_the_order_that_its_row_declares(name: str, mechanism: Mechanism, rtol: float) -> None:
     order, errors = METHODS[name].order, []
-    coarsest = {2: 100, 3: 64, 4: 40}[order]
+    coarsest = {2: 100, 4: 40, 5: 64}[order]
     exact = driven(Simulation(mechanism, RungeKutta(rtol=1e-13)))
-    for steps in (coarsest, 2 * coarsest, 4 * coarsest):
-        simulation = at_fixed_step(name, mechanism, END / steps * (1 + 1e-12))
+    for steps in (coarsest, 2 * coarsest, 4 * coarsest)[: 2 if order > 4 else 3]:
+        simulation = at_fixed_step(name, mechanism, END / steps * (1 + 1e-12), rtol)
         errors.append(float(np.abs(driven(simulation) - exact).max()))
         assert simulation.state.clock["steps"][0] == steps
     assert errors[-1] > 1e-13, "lost in rounding"

@@ -50,7 +50,7 @@ def hanging_panel(**changes: object) -> Mechanism:
 
 def fixed_steps(level: int) -> ModalRadau:
     """Steps of a tabled size throughout."""
-    return ModalRadau(rtol=0.1, velocity_scale=10.0, max_step=level_size(level))
+    return ModalRadau(rtol=0.1, velocity_scale=1.0, max_step=level_size(level))
 
 
 def coordinates_after(mechanism: Mechanism, duration: float, integrator: ModalRadau) -> NDArray[np.float64]:
@@ -180,7 +180,7 @@ def test_a_free_undamped_vibration_keeps_its_energy_however_slow_it_is(speed: fl
 def test_array_keeps_its_books(model: str) -> None:
     mechanism = build(ArrayParameters(spring_stiffness=(2.0, 1.5), initial_rate=0.2), f"{model}:6 modes")
     left = []
-    for rtol in (1e-3, 1e-5):
+    for rtol in (1e-3, 1e-6):
         simulation = Simulation(mechanism, ModalRadau(rtol=rtol))
         before = simulation.momenta()
         simulation.advance(0.2)

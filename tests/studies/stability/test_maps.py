@@ -10,7 +10,7 @@ from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.tables import Table
 from solar_env.studies.stability.maps import (
     Axis,
-    Cell,
+    Finding,
     Kind,
     Said,
     StabilityMap,
@@ -43,14 +43,14 @@ def warn_and_return() -> float:
     return 3.0
 
 
-def fine(result: float) -> Cell:
-    return Cell(Kind.FINE, result)
+def fine(result: float) -> Finding:
+    return Finding(Kind.FINE, result)
 
 
 def test_a_run_that_returns_is_heard_with_all_its_warnings() -> None:
-    assert listen(warn_and_return, fine) == Cell(Kind.FINE, 3.0, Said.WARNING, "too coarse; too loose")
-    assert listen(lambda: 3.0, fine) == Cell(Kind.FINE, 3.0)
-    told = Cell(Kind.FINE, 3.0, Said.FIGURE, "in its figures")
+    assert listen(warn_and_return, fine) == Finding(Kind.FINE, 3.0, Said.WARNING, "too coarse; too loose")
+    assert listen(lambda: 3.0, fine) == Finding(Kind.FINE, 3.0)
+    told = Finding(Kind.FINE, 3.0, Said.FIGURE, "in its figures")
     assert listen(lambda: 3.0, lambda result: told) == told
 
 
@@ -80,7 +80,7 @@ def test_rows_bear_the_names_of_the_axes_and_the_limit_and_failures_without_a_wo
         panels=("library", "other"),
         quantity="sum",
         advice="Take less.",
-        measure=lambda panel, x, y: Cell(Kind.FINE if x + y < 3.0 else Kind.GROWING, x + y),
+        measure=lambda panel, x, y: Finding(Kind.FINE if x + y < 3.0 else Kind.GROWING, x + y),
         limit=lambda panel, y: 3.0 - y,
         limit_label="theory",
     )

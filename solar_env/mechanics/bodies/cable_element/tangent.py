@@ -177,7 +177,7 @@ def _expand(lanes, local, found):
 
 @kernel
 def _scatter(elimination, matrix, k, inverse, slopes, i):
-    """Add an element's slopes by chord and slopes to a matrix by nodes; each node has a block of its own."""
+    """Add an element's slopes by chord and slopes to a matrix by nodes; each node has a block."""
     inner, outer = elimination.position[k] // BLOCK, elimination.position[k + BLOCK] // BLOCK
     cross = elimination.base[outer] + inner
     innermost, upper = matrix.diagonal[inner], matrix.upper[cross]
@@ -215,15 +215,15 @@ def add_elastic_tangents(elements, q, v, slopes, elimination, stiffness, damping
                     motion[(6 + axis) * COLUMNS + i] = (v[k + 4 + axis] - v[k + axis]) * inverse
                     motion[(8 + axis) * COLUMNS + i] = v[k + 2 + axis]
                     motion[(10 + axis) * COLUMNS + i] = v[k + 6 + axis]
-            own = constants[first:]
+            of_element = constants[first:]
             for p in range(len(AXIAL)):
                 place = 4 * COLUMNS * p
                 stiff, viscous = slopes.local_stiffness[place:], slopes.local_damping[place:]
-                _axial_slopes(AXIAL[p], lanes, own, motion, stiff, viscous)
+                _axial_slopes(AXIAL[p], lanes, of_element, motion, stiff, viscous)
             for p in range(len(BENDING)):
                 place = 4 * COLUMNS * (len(AXIAL) + 4 * p)
                 stiff, viscous = slopes.local_stiffness[place:], slopes.local_damping[place:]
-                _bending_slopes(BENDING[p], lanes, own, motion, stiff, viscous)
+                _bending_slopes(BENDING[p], lanes, of_element, motion, stiff, viscous)
             _expand(lanes, slopes.local_stiffness, slopes.stiffness)
             _expand(lanes, slopes.local_damping, slopes.damping)
             for i in range(count):

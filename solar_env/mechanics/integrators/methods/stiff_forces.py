@@ -86,7 +86,7 @@ def contact_directions(joint, markers, q, v, gradient, force):
 
 @kernel
 def lasts(joint_state, time):
-    """Whether a joint is in contact and its impact, which has steps of its own, over."""
+    """Whether a joint is in contact and its impact, which has shorter steps, over."""
     return (
         joint_state.in_contact != 0
         and time - joint_state.contact_start >= IMPACT_DURATIONS * joint_state.contact_duration

@@ -43,7 +43,7 @@ def cut_nothing(model, state, settings, arrays, h):
 
 @kernel
 def adapt_nothing(model, state, settings, arrays, accepted):
-    """Do nothing: the method has no choice of its own between steps."""
+    """Do nothing: the method has no choice between steps."""
 
 
 @dataclass(frozen=True)
@@ -74,23 +74,23 @@ class Kernels:
         cut: solves a step anew that is shorter; False if it cannot be solved.
     """
 
-    begin: Any
-    choose: Any
-    attempt: Any
-    complete: Any
-    sample: Any
-    commit: Any
-    evaluate: Any
-    open_contact: Any
-    contact_angles: Any
-    depth: Any
-    angle: Any
+    begin: Callable
+    choose: Callable
+    attempt: Callable
+    complete: Callable
+    sample: Callable
+    commit: Callable
+    evaluate: Callable
+    open_contact: Callable
+    contact_angles: Callable
+    depth: Callable
+    angle: Callable
     landing: int
     control: StepController
-    note_peaks: Any = note_no_peaks
-    resume: Any = resume_nothing
-    adapt: Any = adapt_nothing
-    cut: Any = cut_nothing
+    note_peaks: Callable = note_no_peaks
+    resume: Callable = resume_nothing
+    adapt: Callable = adapt_nothing
+    cut: Callable = cut_nothing
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ class Method:
 
     order: int
     kernel_settings: type
-    convert: Callable[[Any], Any]
-    arrays: Callable[[Any, Any], Any]
+    convert: Callable
+    arrays: Callable
     kernels: Kernels
     formulation: Formulation = ABSOLUTE
 
@@ -145,7 +145,7 @@ METHODS: dict[str, Method] = {
     settings.RungeKutta.name: _IN_STAGES,
     settings.Rosenbrock.name: _IN_STAGES,
     settings.ModalRadau.name: Method(
-        3,
+        5,
         ModalSettings,
         modal.convert_settings,
         make_workspace,
@@ -207,7 +207,7 @@ def method_of(chosen: Chosen) -> Method:
     return METHODS[chosen.name]
 
 
-def kernel_of(pick: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def kernel_of(pick: Callable) -> Callable:
     """A function of kernel settings that gives what `pick` takes from their method's kernels; resolved in compiling."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 

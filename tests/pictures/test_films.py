@@ -3,7 +3,7 @@
 import numpy as np
 from PIL import Image
 
-from solar_env.pictures.gif import write_gif
+from solar_env.pictures.films import write_gif
 
 
 def test_a_small_red_arrow_stays_red_among_many_shades(tmp_path):

@@ -1,11 +1,15 @@
-"""Checks of values that users or files give, and their plain form."""
+"""Checks of names and values that users or files give, and the plain form of values."""
 
+import difflib
 import math
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, replace
 from types import UnionType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+Values = TypeVar("Values", bound=Any)
 _WANTED = {
     str: "a text",
     int: "a whole number, not negative",
@@ -26,7 +30,7 @@ def is_whole_number(value: object, least: int) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and value >= least
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> object:
     """A value with Python's types in place of NumPy's, and tuples in place of lists."""
     if isinstance(value, (np.generic, np.ndarray)):
         value = value.tolist()
@@ -58,3 +62,26 @@ def _is_a(kind: type, value: Any) -> bool:
     if kind is tuple:
         return isinstance(value, tuple) and all(isinstance(entry, str) and entry.isidentifier() for entry in value)
     return isinstance(value, kind)
+
+
+def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
+    """A sentence that says that a name is unknown, and which known ones come close, or else all of them."""
+    names = list(known)
+    close = difflib.get_close_matches(str(name), names, n=2)
+    hint = f"did you mean {' or '.join(map(repr, close))}?" if close else f"choose from {', '.join(names)}"
+    return f"{kind} {name!r} is unknown; {hint}"
+
+
+def changed(kind: str, values: Values, changes: Mapping[str, object]) -> Values:
+    """A copy of a dataclass with some fields changed; the dataclass's checks refuse bad values.
+
+    Raises:
+        ValueError: if they are no mapping, a name is unknown, said of this kind of value, or a value is refused.
+    """
+    if not isinstance(changes, Mapping):
+        raise ValueError(f"{kind}: {changes!r} must be a mapping of names to values")
+    known = [item.name for item in fields(values)]
+    for name in changes:
+        if name not in known:
+            raise ValueError(unknown_name(kind, name, known))
+    return replace(values, **changes)

@@ -6,8 +6,7 @@ import pytest
 from helpers import MOTION_TIMES, make_motion
 
 from solar_env.array.deployment import simulate
-from solar_env.studies.common import measures
-from solar_env.studies.common.motion import from_trajectory
+from solar_env.studies.common.motion import angle_error, force_error, from_trajectory, latch_error
 
 
 def test_the_angle_error_is_the_greatest_difference_up_to_the_time():
@@ -16,21 +15,21 @@ def test_the_angle_error_is_the_greatest_difference_up_to_the_time():
     angles[3, 1] += 1e-3
     angles[8, 0] += 1.0
     motion = replace(reference, angles=angles)
-    assert measures.angle_error(motion, reference, until=0.5) == pytest.approx(1e-3)
-    assert measures.angle_error(motion, reference, until=0.8) == pytest.approx(1.0)
+    assert angle_error(motion, reference, until=0.5) == pytest.approx(1e-3)
+    assert angle_error(motion, reference, until=0.8) == pytest.approx(1.0)
 
 
 def test_motions_sampled_at_other_times_are_not_compared():
     with pytest.raises(ValueError, match="different times"):
-        measures.angle_error(make_motion(time=MOTION_TIMES + 0.01), make_motion(), until=1.0)
+        angle_error(make_motion(time=MOTION_TIMES + 0.01), make_motion(), until=1.0)
 
 
 @pytest.mark.parametrize(
     ("latch", "expected"), [((0.502, math.nan), 2e-3), ((0.5, 0.7), 0.0), ((math.nan, math.nan), math.inf)]
 )
 def test_the_latch_error_counts_the_joints_that_should_latch(latch, expected):
-    assert measures.latch_error(make_motion(latch=latch), make_motion()) == pytest.approx(expected)
-    assert math.isnan(measures.latch_error(make_motion(), make_motion(latch=(math.nan, math.nan)))), "none should"
+    assert latch_error(make_motion(latch=latch), make_motion()) == pytest.approx(expected)
+    assert math.isnan(latch_error(make_motion(), make_motion(latch=(math.nan, math.nan)))), "none should"
 
 
 def test_a_study_keeps_the_motion_and_what_the_run_comes_to_after_the_latching():
@@ -60,5 +59,5 @@ def test_peak_forces_are_compared_joint_by_joint_where_the_reference_has_one():
         replace(make_motion(), totals={"peak_force_N": np.array(forces)})
         for forces in ((11.0, 5.0), (10.0, 0.0), (0.0, 0.0))
     )
-    assert measures.force_error(own, right) == pytest.approx(0.1)
-    assert math.isnan(measures.force_error(own, none))
+    assert force_error(own, right) == pytest.approx(0.1)
+    assert math.isnan(force_error(own, none))

@@ -22,8 +22,8 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, copy_rows
 from solar_env.mechanics.numerics.vectors import load4, store4
 
-# A reaction at the end of one step tells less of the error of another that is shorter than this share of it than of its
-# panel: of the fast vibrations that the longer step does not resolve.
+# A reaction at the end of one step tells little of the error of another that is shorter than this share of it. It tells
+# of the fast vibrations that the longer step does not resolve.
 _COMPARABLE = 0.01
 
 
@@ -173,9 +173,9 @@ def commit_step(model, state, work, tables, level, h):
     # The next step takes out what velocity it finds in ideal joints: it must be that of the coordinates.
     move_stages(model, state, work, tables, level, h, work.step[0].constrained != 0, False)
     for b in range(model.bodies.size):
-        body, panel, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
+        body, frame, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            work.q[first + i], work.v[first + i] = panel.place[i, LAST], panel.speed[i, LAST]
+            work.q[first + i], work.v[first + i] = frame.place[i, LAST], frame.speed[i, LAST]
         if body.panel != RIGID_BODY:
             panel, begin = work.panels[body.panel], first + 3
             end = begin + model.panels.modes.shape[1]

@@ -153,7 +153,6 @@ class Panels(NamedTuple):
     # (D, 2, LOW, LOW, FORMS) by coordinate of a bending group and of its partner: the same group for the odd forms, the
     # other one for the even forms.
     forms: Array
-
     shapes: Array  # (D, VALUES, modes) values of the first end by unit amplitude, as in the records
     square: Array  # (D, modes) squared frequencies [1/s2]
 

@@ -13,6 +13,7 @@ trial_type = record(
         ("reason", np.int64),  # status code of a method that has no step left to try; 0 leaves it to the run loop
         ("joint", np.int64),  # that has kept the method from solving its equations, or -1
         ("last", np.int64),  # whether the step ends the call
+        ("cuts", np.int64),  # how often it has been solved again, to end on an event
         ("at_once", np.int64),  # events that have followed each other without time between them
         # Of methods in stages: whether the stability of the flexible bodies bounds the step.
         ("bound", np.int64),

@@ -3,7 +3,13 @@
 import numpy as np
 
 from solar_env.mechanics.arrays.model import CLEARANCE, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK
-from solar_env.mechanics.integrators.methods.table import angle_of, cut_of, depth_of, open_contact_of
+from solar_env.mechanics.integrators.methods.table import (
+    BY_SOLVING_AGAIN,
+    angle_of,
+    depth_of,
+    landing_of,
+    open_contact_of,
+)
 from solar_env.mechanics.joints.contact import impact_scales
 from solar_env.mechanics.joints.torques import stop_depth
 from solar_env.mechanics.numerics.jit import kernel
@@ -98,28 +104,25 @@ def is_passed(model, state, settings, arrays, j, kind, h, sign):
 
 
 @kernel
-def land(model, state, settings, arrays, h, share, joint, kind):
-    """Solve a step of size `h` [s] again up to an event at a share of it: size, joint and kind of event at its end.
+def place_of_event(model, state, settings, arrays, h, joint, kind):
+    """Where the step `h` [s] in hand is to end: share of it, joint and kind of event there, and whether to solve again.
 
-    The solution of the shorter step moves a little, and vibrations within a long one pass by its interpolant: all
-    joints are looked at again after every cut. The size is negative if the equations of the step cannot be solved, and
-    zero if the event is one of its start; the kind is NO_EVENT if none is reached.
+    A step that was cut at the event `kind` of a `joint` moves a little, and vibrations within a long one pass by its
+    interpolant: all joints are looked at again after every cut. The share is 1 where the step ends as it is, and less
+    than SMALLEST_PART of a second where the event is one of its start.
     """
-    for _ in range(_MOST_CUTS):
-        h *= share
-        if not cut_of(settings)(model, state, settings, arrays, h):
-            return -h, joint, kind
-        missed = is_passed(model, state, settings, arrays, joint, kind, h, -1.0)
-        beyond = is_passed(model, state, settings, arrays, joint, kind, h, 1.0)
-        share, other, found = first_event(model, state, settings, arrays, h)
-        if found == NO_EVENT:
-            return h, joint, NO_EVENT if missed else kind
-        if not is_passed(model, state, settings, arrays, other, found, h, 1.0):
-            return (h, other, found) if missed or beyond else (h, joint, kind)
-        joint, kind = other, found
-        if share * h <= SMALLEST_PART:
-            return 0.0, joint, kind
-    return h, joint, kind
+    cuts = arrays.trial[0].cuts
+    share, other, found = first_event(model, state, settings, arrays, h)
+    again = landing_of(settings) == BY_SOLVING_AGAIN and found != NO_EVENT and SMALLEST_PART / h < share < 1.0
+    if cuts == 0:
+        return share, other, found, again
+    missed = is_passed(model, state, settings, arrays, joint, kind, h, -1.0)
+    beyond = is_passed(model, state, settings, arrays, joint, kind, h, 1.0)
+    if found == NO_EVENT:
+        return 1.0, joint, NO_EVENT if missed else kind, False
+    if not is_passed(model, state, settings, arrays, other, found, h, 1.0):
+        return (1.0, other, found, False) if missed or beyond else (1.0, joint, kind, False)
+    return (share, other, found, again) if cuts < _MOST_CUTS or not again else (1.0, other, found, False)
 
 
 @kernel(inlined=False)

@@ -18,11 +18,9 @@ from solar_env.mechanics.integrators.events import (
     SMALLEST_PART,
     begin_event,
     begin_passed_events,
-    first_event,
-    land,
+    place_of_event,
 )
 from solar_env.mechanics.integrators.methods.table import (
-    BY_SOLVING_AGAIN,
     NOT_AT_ALL,
     adapt_of,
     attempt_of,
@@ -39,6 +37,7 @@ from solar_env.mechanics.integrators.methods.table import (
     sample_of,
 )
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.linear import all_finite
 from solar_env.mechanics.numerics.step_size import growth, shortened
 from solar_env.mechanics.records.history import (
     check_joint,
@@ -83,7 +82,7 @@ def choose_step(model, state, settings, arrays, end_time):
     clock, trial = state.clock[0], arrays.trial[0]
     remaining = end_time - clock.time
     trial.retry, trial.reason, trial.joint = 0.0, m.DONE, -1
-    trial.bound = trial.implicit = trial.stiff_contacts = 0
+    trial.bound = trial.implicit = trial.stiff_contacts = trial.cuts = 0
     trial.wanted = choose_of(settings)(model, state, settings, arrays, remaining)
     trial.last = trial.wanted >= remaining
     trial.step = remaining if trial.last else trial.wanted
@@ -192,9 +191,8 @@ def begin_at_once(model, state, settings, arrays, joint, kind):
 @kernel
 def check_state(model, state, arrays):
     """Status of an accepted state: finite, contact depths and joint angles within what the model describes."""
-    for i in range(state.q.size):
-        if not math.isfinite(state.q[i] + state.v[i]):
-            return fail(state, m.NOT_FINITE, -1, state.q[i])
+    if not (all_finite(state.q) and all_finite(state.v)):
+        return fail(state, m.NOT_FINITE, -1, math.nan)
     for j in range(model.joints.size):
         motion = arrays.motion[j]
         status = check_joint(model.joints[j], state, j, motion.depth, motion.angle)
@@ -208,19 +206,21 @@ def take_step(model, state, settings, recorder, end_time, arrays):
     """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
     trial = arrays.trial[0]
     choose_step(model, state, settings, arrays, end_time)
-    h, share, joint, kind = trial.step, 1.0, np.int64(-1), NO_EVENT
-    trial.error = attempt_of(settings)(model, state, settings, arrays, h)
-    if trial.error < 0.0:
-        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
-    if not trial.error <= 1.0:
-        return reject(model, state, settings, arrays, h, trial.error)
-    if landing_of(settings) != NOT_AT_ALL:
-        share, joint, kind = first_event(model, state, settings, arrays, h)
-    if landing_of(settings) == BY_SOLVING_AGAIN and kind != NO_EVENT and SMALLEST_PART / h < share < 1.0:
-        h, joint, kind = land(model, state, settings, arrays, h, share, joint, kind)
-        if h < 0.0:
-            return reject(model, state, settings, arrays, -h, math.inf)
-        share = 1.0
+    h, share, joint, kind, again = trial.step, 1.0, np.int64(-1), NO_EVENT, True
+    while again:
+        error = attempt_of(settings)(model, state, settings, arrays, h)
+        if error < 0.0:
+            return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
+        if not error <= 1.0:
+            return reject(model, state, settings, arrays, h, error)
+        if trial.cuts == 0:
+            trial.error = error
+        again = False
+        if landing_of(settings) != NOT_AT_ALL:
+            share, joint, kind, again = place_of_event(model, state, settings, arrays, h, joint, kind)
+        if again:
+            h *= share
+            trial.cuts += 1
     if kind != NO_EVENT and share * h <= SMALLEST_PART:
         return begin_at_once(model, state, settings, arrays, joint, kind)
     trial.at_once = 0

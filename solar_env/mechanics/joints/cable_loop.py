@@ -17,6 +17,7 @@ import math
 
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, place, spin, vector_angle
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import where_less
 
 
 @kernel
@@ -24,17 +25,15 @@ def cable_torque(cable, stretch):
     """Torque of a closed cable loop on its outer joint, its slope, and its energy, at a wheel-angle mismatch [rad].
 
     Two strands of equal stiffness; when the torque reaches twice the preload's, one is slack and only the other acts
-    on (tensions are never negative: paper, Eqs 2-4).
+    on (tensions are never negative: paper, Eqs 2-4). It takes a number, or a vector of several.
     """
     taut_limit = 2.0 * cable.preload_torque / cable.stiffness if cable.stiffness > 0.0 else math.inf
-    if abs(stretch) <= taut_limit:
-        return cable.stiffness * stretch, cable.stiffness, 0.5 * cable.stiffness * stretch * stretch
-    excess = abs(stretch) - taut_limit
-    torque = 2.0 * cable.preload_torque + 0.5 * cable.stiffness * excess
-    energy = (
-        0.5 * cable.stiffness * taut_limit**2 + (cable.preload_torque * 2.0 + 0.25 * cable.stiffness * excess) * excess
-    )
-    return math.copysign(torque, stretch), 0.5 * cable.stiffness, energy
+    magnitude = where_less(stretch, 0.0, -stretch, stretch)
+    excess = where_less(taut_limit, magnitude, magnitude - taut_limit, 0.0)
+    torque = cable.stiffness * (magnitude - 0.5 * excess)
+    slope = cable.stiffness * where_less(taut_limit, magnitude, 0.5, 1.0)
+    energy = 0.5 * cable.stiffness * (magnitude * magnitude - 0.5 * excess * excess)
+    return where_less(stretch, 0.0, -torque, torque), slope, energy
 
 
 @kernel

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 from solar_env.mechanics.joints.laws import MATERIAL, PLACES, PowerLaw
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.vectors import square_roots, where_less
+from solar_env.mechanics.numerics.vectors import cube_roots, square_roots, where_less
 
-_power_force = kernel(PowerLaw.force)
-_power_depth = kernel(PowerLaw.depth_and_slopes)
+_HERTZ = 1.5  # the exponent of a contact of spheres, whose powers are roots
+_LEAST_BRACKET = 0.05  # of a contact that parts: below it the depth under a load says nothing
 _power_energy = kernel(PowerLaw.energy, inlined=False)
 _power_scales = kernel(PowerLaw.impact_scales, inlined=False)
 
@@ -76,20 +76,32 @@ def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
 def normal_force(joint, depth, rate, impact_speed):
     """Normal force [N], compressive positive, its elastic part, and its slopes by depth [N/m] and rate [N s/m].
 
-    Nothing acts where the depth is not positive; the contact began at the `impact_speed` [m/s].
+    Nothing acts where the depth is not positive; the contact began at the `impact_speed` [m/s]. It takes numbers, or
+    vectors of several configurations. The law is `PowerLaw`.
     """
-    if depth <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    return _power_force(joint.contact, depth, rate, impact_speed)
+    stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
+    inside = where_less(0.0, depth, depth, 0.0)
+    growth = stiffness * (square_roots(inside) if exponent == _HERTZ else inside ** (exponent - 1.0))
+    elastic, bracket = growth * inside, 1.0 + damping * rate
+    pressing = where_less(0.0, depth, where_less(0.0, bracket, bracket, 0.0), 0.0)
+    return elastic * pressing, elastic, exponent * growth * pressing, where_less(0.0, bracket, damping * elastic, 0.0)
 
 
 @kernel
 def depth_under(joint, load, rate, impact_speed, give):
-    """Depth [m] at which a contact carries a positive `load` [N], and the force's slopes there by depth and rate.
+    """Depth [m] at which a contact carries a `load` [N], and the force's slopes there by depth and rate.
 
-    All are zero where the contact is no stiffer than what gives way by `give` [m/N], or parts.
+    All are zero where the contact is no stiffer than what gives way by `give` [m/N], parts, or carries nothing. It
+    takes vectors.
     """
-    return _power_depth(joint.contact, load, rate, impact_speed, give)
+    stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
+    bracket = 1.0 + damping * rate
+    elastic = where_less(_LEAST_BRACKET, bracket, load / bracket, 0.0)
+    root = cube_roots(elastic / stiffness)
+    depth = root * root if exponent == _HERTZ else (elastic / stiffness) ** (1.0 / exponent)
+    stiff = where_less(depth, exponent * elastic * bracket * give, depth, 0.0)
+    slope = where_less(0.0, stiff, exponent * load / depth, 0.0)
+    return stiff, slope, where_less(0.0, stiff, damping * elastic, 0.0)
 
 
 @kernel(inlined=False)
@@ -109,13 +121,11 @@ def friction_share(joint, sliding_speed):
     """Share of the Coulomb force at a sliding speed [m/s], with its sign, and its slope by the speed [s/m].
 
     Friction is ramped in between two speeds (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188,
-    Eqs 41-42).
+    Eqs 41-42). It takes numbers, or vectors of several configurations.
     """
-    zero, full = joint.friction_speed_zero, joint.friction_speed_full
-    magnitude = abs(sliding_speed)
-    if magnitude <= zero:
-        return 0.0, 0.0
-    sign = 1.0 if sliding_speed > 0.0 else -1.0
-    if magnitude >= full:
-        return sign, 0.0
-    return sign * (magnitude - zero) / (full - zero), 1.0 / (full - zero)
+    zero = joint.friction_speed_zero
+    steepness = 1.0 / (joint.friction_speed_full - zero)
+    ramp = steepness * (where_less(sliding_speed, 0.0, -sliding_speed, sliding_speed) - zero)
+    share = where_less(ramp, 1.0, where_less(0.0, ramp, ramp, 0.0), 1.0)
+    slope = where_less(0.0, ramp, where_less(ramp, 1.0, steepness, 0.0), 0.0)
+    return where_less(sliding_speed, 0.0, -share, share), slope

@@ -1,5 +1,5 @@
 """Laws of contact and friction as data, and the table of the contact laws. Plain Python: no compiler is needed here;
-`contact.py` compiles the static methods of `PowerLaw` for the kernels.
+the kernels that evaluate them are in `contact.py`, which compiles the static methods of `PowerLaw` as well.
 
 To add a contact law, write a function from `Surfaces` and a coefficient of restitution to a `PowerLaw`, and a row of
 `CONTACT_LAWS`.
@@ -15,7 +15,6 @@ from solar_env.mechanics.numerics.checks import require, require_finite, require
 # of the places of contact, which travel round with this line: depth / (clearance + depth) of the centres' (Eq 35).
 SLIDING_READINGS = ("material", "centres", "places")
 MATERIAL, CENTRES, PLACES = range(3)
-_LEAST_BRACKET = 0.05  # of a contact that parts: below it the depth under a load says nothing
 LEAST_CLEARANCE, LARGEST_CLEARANCE = 5e-6, 1e-2  # m, of Pereira's fit
 
 
@@ -37,8 +36,8 @@ def bisect(function: Callable[[float], float], low: float, high: float) -> float
 class PowerLaw:
     """The normal force F = K depth^n (1 + d rate / v), never attractive, with the speed v at which the contact began.
 
-    K. H. Hunt and F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440, doi:10.1115/1.3423596. The static methods are
-    compiled in `contact.py`; they hold for positive depths.
+    K. H. Hunt and F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440, doi:10.1115/1.3423596. The static methods hold for
+    positive depths.
 
     Attributes:
         stiffness: K [N/m^n]: its unit depends on the exponent.
@@ -78,40 +77,6 @@ class PowerLaw:
         if d < 3e-4:
             return 1.0 - 2.0 / 3.0 * d + 4.0 / 9.0 * d * d  # the terms of the equation cancel there
         return bisect(lambda e: impact_defect(d, e), 0.0, min(1.0, 1.0 / d))
-
-    @staticmethod
-    def force(
-        parameters: Sequence[float], depth: float, rate: float, impact_speed: float
-    ) -> tuple[float, float, float, float]:
-        """Normal force [N], compressive positive, its elastic part, and its slopes by depth [N/m] and rate [N s/m]."""
-        stiffness, exponent, damping = parameters[0], parameters[1], parameters[2]
-        # A square root costs a tenth of a power.
-        growth = math.sqrt(depth) if exponent == 1.5 else depth ** (exponent - 1.0)
-        elastic = stiffness * depth * growth
-        bracket = 1.0 + damping * rate / impact_speed
-        if bracket <= 0.0:
-            return 0.0, elastic, 0.0, 0.0
-        return elastic * bracket, elastic, exponent * stiffness * growth * bracket, elastic * damping / impact_speed
-
-    @staticmethod
-    def depth_and_slopes(
-        parameters: Sequence[float], load: float, rate: float, impact_speed: float, give: float
-    ) -> tuple[float, float, float]:
-        """Depth [m] under a load [N], with the slopes of the force there by depth [N/m] and by rate [N s/m].
-
-        All are zero where the slope by depth is below that of what gives way by `give` [m/N], or the contact parts.
-        """
-        stiffness, exponent, damping = parameters[0], parameters[1], parameters[2]
-        bracket = 1.0 + damping * rate / impact_speed
-        if bracket <= _LEAST_BRACKET:
-            return 0.0, 0.0, 0.0
-        soft = exponent * load * give  # depth at which the two slopes would be the same
-        growth = math.sqrt(soft) if exponent == 1.5 else soft ** (exponent - 1.0)
-        if stiffness * bracket * soft * growth <= load:
-            return 0.0, 0.0, 0.0
-        elastic = load / bracket
-        depth = (elastic / stiffness) ** (1.0 / exponent)
-        return depth, exponent * load / depth, elastic * damping / impact_speed
 
     @staticmethod
     def energy(parameters: Sequence[float], depth: float) -> float:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from solar_env.mechanics.arrays import columns as c
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import sum_lanes, where_less
 
 
 @kernel
@@ -18,29 +19,28 @@ def one_sided_stop(joint, depth, closing_rate):
 
     k depth^e plus damping that a cubic STEP ramps in over `stop_ramp_depth`; never pulls (BISTOP, paper Eqs 5-7).
     """
-    if depth <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    exponent = joint.stop_exponent
-    elastic = joint.stop_stiffness * depth**exponent
-    s = min(depth / joint.stop_ramp_depth, 1.0)
-    damping = joint.stop_damping * s * s * (3.0 - 2.0 * s)
+    inside, exponent = where_less(0.0, depth, depth, 0.0), joint.stop_exponent
+    growth = joint.stop_stiffness * (1.0 + 0.0 * inside if exponent == 1.0 else inside ** (exponent - 1.0))
+    # Outside a stop that a joint does not have, powers are infinite.
+    elastic, share = where_less(0.0, depth, growth * inside, 0.0), inside / joint.stop_ramp_depth
+    ramp = where_less(share, 1.0, share, 1.0)
+    damping = joint.stop_damping * ramp * ramp * (3.0 - 2.0 * ramp)
     torque = elastic + damping * closing_rate
-    if torque <= 0.0:
-        return 0.0, elastic, 0.0, 0.0
-    slope = exponent * elastic / depth + joint.stop_damping * 6.0 * s * (1.0 - s) / joint.stop_ramp_depth * closing_rate
-    return torque, elastic, slope, damping
+    slope = exponent * growth + joint.stop_damping * 6.0 * ramp * (1.0 - ramp) / joint.stop_ramp_depth * closing_rate
+    pushing = where_less(0.0, torque, torque, 0.0)
+    return pushing, elastic, where_less(0.0, torque, slope, 0.0), where_less(0.0, torque, damping, 0.0)
 
 
 @kernel
 def stop_depth(joint, latched, angle):
     """Depth [rad] in latch or stow stop, negative outside, and the sign of the torque that resists it."""
-    below_stow = joint.stow_angle - joint.stop_gap - angle if joint.has_stow_stop else -math.inf
+    below_stow = (joint.stow_angle - joint.stop_gap if joint.has_stow_stop else -math.inf) - angle
     if latched:
         beyond = angle - joint.lock_angle
-        depth = abs(beyond) - joint.stop_gap
-        if depth >= below_stow:
-            return depth, -1.0 if beyond > 0.0 else 1.0
-    return below_stow, 1.0
+        depth = where_less(beyond, 0.0, -beyond, beyond) - joint.stop_gap
+        sign = where_less(depth, below_stow, 1.0, where_less(0.0, beyond, -1.0, 1.0))
+        return where_less(depth, below_stow, below_stow, depth), sign
+    return below_stow, 1.0 + 0.0 * angle
 
 
 @kernel
@@ -50,7 +50,8 @@ def stop_torque(joint, joint_state, angle, rate):
     A stop that is not engaged exerts none: within a step of the explicit method this keeps the torque smooth.
     """
     if not joint_state.stop_engaged:
-        return 0.0, 0.0, 0.0, 0.0
+        nothing = 0.0 * angle
+        return nothing, nothing, nothing, nothing
     depth, sign = stop_depth(joint, joint_state.latched, angle)
     torque, elastic, slope, damping = one_sided_stop(joint, depth, -sign * rate)
     return sign * torque, sign * elastic, -slope, -damping
@@ -84,7 +85,7 @@ class HingeTorques(NamedTuple):
 
 @kernel
 def hinge_torques(joint, joint_state, angle, rate):
-    """Torques of all laws at a joint's angle [rad] and its rate."""
+    """Torques of all laws at a joint's angle [rad] and its rate, which are numbers or vectors of several."""
     latch, elastic, by_angle, by_rate = stop_torque(joint, joint_state, angle, rate)
     return HingeTorques(
         spring=joint.spring_stiffness * (joint.spring_preload_angle - angle),
@@ -141,20 +142,23 @@ def summed_torque(loads, j):
 
 @kernel
 def add_torque_powers(torques, rate, weight, j, out):
-    """Add `weight` times the powers of the torques of joint `j`, at a rate [rad/s], to its integrals or their rates."""
+    """Add `weight` times the powers of the torques of joint `j`, at a rate [rad/s], to its integrals or their rates.
+
+    Of vectors it adds up the lanes.
+    """
     first = m.INTEGRALS_PER_JOINT * j
-    out[first + m.MOTOR_WORK] += weight * torques.motor * rate
-    out[first + m.LATCH_DISSIPATION] += weight * (torques.latch_elastic - torques.latch) * rate
+    out[first + m.MOTOR_WORK] += sum_lanes(weight * torques.motor * rate)
+    out[first + m.LATCH_DISSIPATION] += sum_lanes(weight * (torques.latch_elastic - torques.latch) * rate)
 
 
 @kernel
 def add_cable_power(cable, torque, rate, weight, out):
     """Add `weight` times a cable loop's power, at the inner wheel's rate [rad/s], to the integrals or their rates.
 
-    It has none unless the ratio of torques differs from the wheels'.
+    It has none unless the ratio of torques differs from the wheels'. Of vectors it adds up the lanes.
     """
     power = torque * (cable.wheel_ratio - cable.torque_ratio) * rate
-    out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += weight * power
+    out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += sum_lanes(weight * power)
 
 
 @kernel

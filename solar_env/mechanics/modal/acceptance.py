@@ -10,6 +10,8 @@ from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     BENDING_EVEN,
     BENDING_ODD,
+    COLUMNS,
+    DEFECT_LANES,
     DEFECTS,
     GROUPS,
     LANES,
@@ -20,7 +22,7 @@ from solar_env.mechanics.modal.tables import (
 )
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, copy_rows
-from solar_env.mechanics.numerics.vectors import load4, store4
+from solar_env.mechanics.numerics.vectors import load4, splat4, store4, sum_lanes
 
 # A reaction at the end of one step tells little of the error of another that is shorter than this share of it. It tells
 # of the fast vibrations that the longer step does not resolve.
@@ -37,7 +39,7 @@ def at_start(course):
 
 
 @kernel
-def vibration_defect(panels, panel, defects, held, d, h, kind, group):
+def vibration_defect(panels, panel, free, held, d, h, kind, group):
     """Defect of the motion of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
@@ -47,8 +49,9 @@ def vibration_defect(panels, panel, defects, held, d, h, kind, group):
             number, course, rate = panels.first[group] + r, panel.coupling[group, r], 0.0
             for k in range(STAGES):
                 rate += RATE_AT_START[k] * course[k] / h
-            shortened = defects[kind, 0, number] * at_start(course) + defects[kind, 1, number] * rate
-            defect -= shortened / panels.square[d, number]
+            column, held_there = DEFECT_LANES[kind], panels.shapes[d, 0, number] / panels.square[d, number]
+            shortened = free[number, column] * at_start(course) + free[number, COLUMNS + column] * rate
+            defect -= held_there * shortened
     return abs(defect)
 
 
@@ -82,13 +85,13 @@ def step_error(model, state, work, settings, tables, level, h):
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY and tables.responses[d, level].unresolved > 0:
-            panel, defects, held = work.panels[p], tables.defects[d, level], tables.responses[d, level].held
+            panel, free, held = work.panels[p], tables.free[d, level], tables.responses[d, level].held
             total = 0.0
             for kind in range(DEFECTS):
                 # At one end or the other, the even and the odd part add up.
                 across = along = 0.0
                 for group in range(GROUPS):
-                    defect = vibration_defect(model.panels, panel, defects, held, d, h, kind, group)
+                    defect = vibration_defect(model.panels, panel, free, held, d, h, kind, group)
                     if group < AXIAL_EVEN:
                         across += defect
                     else:
@@ -99,12 +102,15 @@ def step_error(model, state, work, settings, tables, level, h):
 
 
 @kernel
-def move_group(ends, shapes, forces, moments, q, v):
-    """Move the amplitudes of a group of modes over the step, by their start and the loads of the ends at the stages."""
+def move_group(ends, shapes, square, forces, moments, q, v):
+    """Move the amplitudes of a group of modes over the step, by their start and the loads of the ends at the stages.
+
+    Returns the sum of their squared rates by `square` (modes,).
+    """
     by_value, by_rate, rate_by_value, rate_by_rate = ends[0], ends[1], ends[2 + STAGES], ends[3 + STAGES]
     first, second, third = ends[2], ends[3], ends[4]
     rate_first, rate_second, rate_third = ends[4 + STAGES], ends[5 + STAGES], ends[6 + STAGES]
-    whole = q.size - q.size % LANES
+    whole, sums = q.size - q.size % LANES, splat4(0.0)
     for k in range(0, whole, LANES):
         value, rate = load4(q, k), load4(v, k)
         one, other = load4(shapes[0], k), load4(shapes[1], k)
@@ -117,6 +123,8 @@ def move_group(ends, shapes, forces, moments, q, v):
         gained = gained + load4(rate_first, k) * force1 + load4(rate_second, k) * force2 + load4(rate_third, k) * force3
         store4(q, k, moved)
         store4(v, k, gained)
+        sums = sums + load4(square, k) * gained * gained
+    total = sum_lanes(sums)
     for k in range(whole, q.size):
         value, rate = q[k], v[k]
         force1 = shapes[0, k] * forces[0] + shapes[1, k] * moments[0]
@@ -125,6 +133,8 @@ def move_group(ends, shapes, forces, moments, q, v):
         q[k] = by_value[k] * value + by_rate[k] * rate + first[k] * force1 + second[k] * force2 + third[k] * force3
         moved = rate_by_value[k] * value + rate_by_rate[k] * rate
         v[k] = moved + rate_first[k] * force1 + rate_second[k] * force2 + rate_third[k] * force3
+        total += square[k] * v[k] * v[k]
+    return total
 
 
 @kernel
@@ -133,21 +143,18 @@ def move_panel(panels, panel, ends, d, q, v):
     total = 0.0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
-        values, rates = q[begin:end], v[begin:end]
+        values, rates, square = q[begin:end], v[begin:end], panels.square[d, begin:end]
         load, shapes = panel.load[group], panels.shapes[d, :, begin:end]
-        move_group(ends[:, begin:end], shapes, load[0], load[1], values, rates)
+        total += move_group(ends[:, begin:end], shapes, square, load[0], load[1], values, rates)
         for r in range(panels.coupled[group]):
+            before = rates[r]
             for s in range(STAGES):
                 force = panel.coupling[group, r, s]
                 values[r] += ends[2 + s, begin + r] * force
                 rates[r] += ends[4 + STAGES + s, begin + r] * force
-        for k in range(values.size):
-            total += panels.square[d, begin + k] * rates[k] * rates[k]
-        if group >= AXIAL_EVEN:
-            # What strains is not the rate of the amplitude but that less foreshortening's.
-            for r in range(panels.coupled[group]):
-                square, strain_rate = panels.square[d, begin + r], panel.strain_rate[group, r]
-                total += square * (strain_rate * strain_rate - rates[r] * rates[r])
+            # What strains an axial mode is not the rate of the amplitude but that less foreshortening's.
+            strain_rate = panel.strain_rate[group, r] if group >= AXIAL_EVEN else rates[r]
+            total += square[r] * (strain_rate * strain_rate - before * before)
     return panels.damping[d] * total
 
 
@@ -167,7 +174,7 @@ def note_extremes(model, state, work, v):
             extremes[1] = max(extremes[1], abs(v[body.offset + 2]) / lowest)
 
 
-@kernel(inlined=False)
+@kernel
 def commit_step(model, state, work, tables, level, h):
     """Move the workspace's coordinates to the end of the solved step, and fill the motion under its loads."""
     # The next step takes out what velocity it finds in ideal joints: it must be that of the coordinates.

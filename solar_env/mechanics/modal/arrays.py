@@ -148,6 +148,8 @@ load_scratch = record(
         ("by_value", np.float64, LANES),
         ("by_rate", np.float64, LANES),
         ("by_normal", np.float64, LANES),
+        ("piece", np.float64, LANES),  # of its law in which it is
+        ("give", np.float64, LANES),  # [m/N] of a contact's bodies to its normal force, at each stage to that there
         ("unknown", np.int64),  # or it follows from iteration to iteration
     ]
 )
@@ -177,6 +179,7 @@ step_scratch = record(
     [
         ("unknowns", np.int64),  # number
         ("constrained", np.int64),  # whether there are reactions among them
+        ("apart", np.int64),  # whether what a joint's loads do to others is left to the iteration
         ("velocity_tolerance", np.float64),  # [m/s]
         ("foreseen", np.float64, (STAGES, LANES)),  # weight of each load of the last step at each stage of this one
     ]

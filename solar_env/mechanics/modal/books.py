@@ -5,6 +5,8 @@ A sample follows the cubics through the coordinates, and the loads along their c
 
 import math
 
+import numpy as np
+
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE, RATE
@@ -34,42 +36,41 @@ from solar_env.mechanics.modal.ends import axial_form
 from solar_env.mechanics.modal.motion import force_of, look_at, outboard_load
 from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS, LAST, NODES, POLYNOMIAL, STAGES, WEIGHTS
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import load4, square_roots, sum_lanes, where_less
 from solar_env.mechanics.records.history import note_force
 
 # Step [s] in which velocities hardly change, while rounding shows in quotients of differences.
 _SHORT = 1e-6
+# Of the stages in an integral over the step, in lanes.
+_WEIGHTS = np.array([*WEIGHTS, 0.0])
 
 
 @kernel
 def add_integrals(model, state, work, h):
     """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages."""
-    integrals = work.integrals
+    integrals, weights = work.integrals, h * load4(_WEIGHTS, 0)
     for j in range(model.joints.size):
         joint, joint_state, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
-        for s in range(STAGES):
-            weight = h * WEIGHTS[s]
-            motion, force = work.joints[j].motion, force_of(model, j)
-            rate, speed = motion[RATE, s], motion[SLIDING_SPEED, s]
-            first_load, second_load = work.loads[force].stage[s], work.loads[force + 1].stage[s]
-            torques = hinge_torques(joint, joint_state, motion[ANGLE, s], rate)
-            add_torque_powers(torques, rate, weight, j, integrals)
-            if joint.kind == m.IDEAL:
-                integrals[first + m.IMPULSE] += weight * math.sqrt(first_load * first_load + second_load * second_load)
-            elif joint_state.in_contact:
-                normal = max(first_load, 0.0)
-                depth_rate, impact_speed = motion[DEPTH_RATE, s], joint_state.impact_speed
-                _, elastic, _, _ = normal_force(joint, motion[DEPTH, s], depth_rate, impact_speed)
-                integrals[first + m.NORMAL_DISSIPATION] += weight * (normal - elastic) * depth_rate
-                integrals[first + m.FRICTION_DISSIPATION] -= weight * second_load * motion[SLIP, s]
-                integrals[first + m.IMPULSE] += weight * normal
-                integrals[first + m.SLIDING_WORK] += weight * normal * abs(speed)
+        motion, force = work.joints[j].motion, force_of(model, j)
+        rate, normal = load4(motion[RATE], 0), load4(work.loads[force].stage, 0)
+        tangential = load4(work.loads[force + 1].stage, 0)
+        torques = hinge_torques(joint, joint_state, load4(motion[ANGLE], 0), rate)
+        add_torque_powers(torques, rate, weights, j, integrals)
+        if joint.kind == m.IDEAL:
+            reaction = square_roots(normal * normal + tangential * tangential)
+            integrals[first + m.IMPULSE] += sum_lanes(weights * reaction)
+        elif joint_state.in_contact:
+            depth_rate, speed = load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
+            normal = where_less(0.0, normal, normal, 0.0)
+            _, elastic, _, _ = normal_force(joint, load4(motion[DEPTH], 0), depth_rate, joint_state.impact_speed)
+            integrals[first + m.NORMAL_DISSIPATION] += sum_lanes(weights * (normal - elastic) * depth_rate)
+            integrals[first + m.FRICTION_DISSIPATION] -= sum_lanes(weights * tangential * load4(motion[SLIP], 0))
+            integrals[first + m.IMPULSE] += sum_lanes(weights * normal)
+            integrals[first + m.SLIDING_WORK] += sum_lanes(weights * normal * where_less(speed, 0.0, -speed, speed))
     for c in range(model.cables.size):
-        cable = model.cables[c]
-        for s in range(STAGES):
-            weight = h * WEIGHTS[s]
-            motion = work.cables[c].motion
-            torque, _, _ = cable_torque(cable, motion[STRETCH, s])
-            add_cable_power(cable, torque, motion[WHEEL_RATE, s], weight, integrals)
+        cable, motion = model.cables[c], work.cables[c].motion
+        torque, _, _ = cable_torque(cable, load4(motion[STRETCH], 0))
+        add_cable_power(cable, torque, load4(motion[WHEEL_RATE], 0), weights, integrals)
 
 
 @kernel

@@ -8,13 +8,13 @@ from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
     COLUMNS,
+    DEFECT_LANES,
     DEFECTS,
     END_RATE,
     EVEN_ENDS,
     EVEN_FIRST,
     FORMS,
     GROUPS,
-    LANES,
     LOW,
     ODD_ENDS,
     ODD_FIRST,
@@ -33,26 +33,14 @@ from solar_env.mechanics.numerics.vectors import (
     splat8,
     store4,
     store8,
+    third_repeated,
     upper_half,
 )
 
 
 @kernel
-def weighed(weights, values, rates):
-    """Sum of values and rates with the (2, modes) `weights` of either."""
-    sums, whole = splat4(0.0), values.size - values.size % LANES
-    for k in range(0, whole, LANES):
-        sums = sums + load4(weights[0], k) * load4(values, k) + load4(weights[1], k) * load4(rates, k)
-    total = lane(sums, 0) + lane(sums, 1) + lane(sums, 2) + lane(sums, 3)
-    for k in range(whole, values.size):
-        total += weights[0, k] * values[k] + weights[1, k] * rates[k]
-    return total
-
-
-@kernel
 def free_ends(panels, panel, tables, d, level, q, v):
     """Free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
-    unresolved = tables.responses[d, level].unresolved > 0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         # Of slices: indices that cannot be negative are spared a test.
@@ -63,14 +51,13 @@ def free_ends(panels, panel, tables, d, level, q, v):
             moved = load8(moves[k], 0) * values[k] + load8(moves[k], COLUMNS) * rates[k]
             first = first + one[k] * moved
             second = second + other[k] * moved
-        store8(panel.free[group, 0], 0, first)
-        store8(panel.free[group, 1], 0, second)
+        for kind in range(DEFECTS):
+            panel.defect[kind, group] = lane(first, DEFECT_LANES[kind])
+        store8(panel.free[group, 0], 0, third_repeated(first))
+        store8(panel.free[group, 1], 0, third_repeated(second))
         for r in range(panels.coupled[group]):
             moved = load8(moves[r], 0) * values[r] + load8(moves[r], COLUMNS) * rates[r]
-            store8(panel.low_free[group, r], 0, moved)
-        if unresolved:
-            for kind in range(DEFECTS):
-                panel.defect[kind, group] = weighed(tables.defects[d, level, kind, :, begin:end], values, rates)
+            store8(panel.low_free[group, r], 0, third_repeated(moved))
 
 
 @kernel

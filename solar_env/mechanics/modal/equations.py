@@ -5,20 +5,20 @@ import numpy as np
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.joints.cable_loop import cable_torque
 from solar_env.mechanics.joints.contact import depth_under, friction_share, normal_force, sliding_share
-from solar_env.mechanics.joints.torques import hinge_torques, stop_depth, torque_of_motion
+from solar_env.mechanics.joints.torques import hinge_torques, torque_of_motion
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,
+    NORMAL_ROW,
     REACTION_X_ROW,
     SLIDING_SPEED,
     STRETCH,
-    TORQUE_ROW,
     VELOCITY_X,
     VELOCITY_Y,
 )
-from solar_env.mechanics.modal.tables import COLUMNS, END_RATE, LANES, LAST, STAGES
+from solar_env.mechanics.modal.tables import COLUMNS, END_RATE, LANES, STAGES
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat4, store4, upper_half
+from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat4, store4, upper_half, where_less
 
 # One in the lane of a stage.
 _UNIT = np.array([[float(s == k) for s in range(LANES)] for k in range(STAGES)])
@@ -29,29 +29,37 @@ _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 
 @kernel
-def repeat_last(values):
-    """Fill the lanes that have no stage with the last one."""
-    for s in range(STAGES, LANES):
-        values[s] = values[LAST]
+def enter_piece(load, piece):
+    """Keep in which pieces of its law a load is at the stages; how many of them are others than before."""
+    before = load4(load.piece, 0)
+    store4(load.piece, 0, piece)
+    return where_less(piece, before, 1.0, where_less(before, piece, 1.0, 0.0))
 
 
 @kernel
-def fill_torques(model, state, work):
-    """Torques of joints and cable loops by their laws at the stages, with their slopes."""
+def torque_laws(model, state, work):
+    """Fill torques of joints and cable loops by their laws at the stages, with their slopes; how many pieces changed.
+
+    A cable loop's is smooth enough for Newton's iteration to pass its corner unseen.
+    """
+    changed = splat4(0.0)
     for j in range(model.joints.size):
         load, motion = work.loads[j], work.joints[j].motion
-        for s in range(STAGES):
-            torques = hinge_torques(model.joints[j], state.joints[j], motion[ANGLE, s], motion[RATE, s])
-            load.law[s] = torque_of_motion(torques)
-            load.by_value[s], load.by_rate[s] = torques.by_angle, torques.by_rate
-        repeat_last(load.law)
+        torques = hinge_torques(model.joints[j], state.joints[j], load4(motion[ANGLE], 0), load4(motion[RATE], 0))
+        store4(load.law, 0, torque_of_motion(torques))
+        store4(load.by_value, 0, torques.by_angle)
+        store4(load.by_rate, 0, torques.by_rate)
+        if load.unknown:
+            piece = where_less(0.0, torques.latch, 1.0, where_less(torques.latch, 0.0, 2.0, 0.0))
+            changed = changed + enter_piece(load, piece)
     for c in range(model.cables.size):
-        load, motion = work.loads[model.joints.size + c], work.cables[c].motion
-        for s in range(STAGES):
-            load.law[s], slope, _ = cable_torque(model.cables[c], motion[STRETCH, s])
-            # The motion that it works on is minus the mismatch.
-            load.by_value[s], load.by_rate[s] = -slope, 0.0
-        repeat_last(load.law)
+        load = work.loads[model.joints.size + c]
+        torque, slope, _ = cable_torque(model.cables[c], load4(work.cables[c].motion[STRETCH], 0))
+        store4(load.law, 0, torque)
+        # The motion that it works on is minus the mismatch.
+        store4(load.by_value, 0, -slope)
+        store4(load.by_rate, 0, splat4(0.0))
+    return changed
 
 
 @kernel
@@ -77,44 +85,55 @@ def torque_row(work, r, renewed):
 
 
 @kernel
-def contact_law(joint, joint_state, motion, response, normal, tangential, tried):
-    """Fill forces and slopes at the stages of a contact's two loads; the `response` is of its motion to the former."""
-    for s in range(STAGES):
-        depth, rate, speed = motion[DEPTH, s], motion[DEPTH_RATE, s], motion[SLIDING_SPEED, s]
-        force, _, by_depth, by_rate = normal_force(joint, depth, rate, joint_state.impact_speed)
-        # A contact that is stiffer than its bodies: its law is linearised at the depth that carries the load, for a
-        # small change of that depth changes the force by more than itself.
-        load = normal.stage[s]
-        if load > 0.0:
-            give = abs(response[COLUMNS * s + s])
-            carrying, slope, elastic_by_rate = depth_under(joint, load, rate, joint_state.impact_speed, give)
-            if carrying > 0.0:
-                force, by_depth, by_rate = load + slope * (depth - carrying), slope, elastic_by_rate
-        normal.law[s], normal.by_value[s], normal.by_rate[s] = force, by_depth, by_rate
-        share, by_slip = friction_share(joint, speed)
-        side = 0 if speed < 0.0 else 1
-        tried[side, s] = speed
-        other = tried[1 - side, s]
-        if speed * other < 0.0:
-            # Sliding has turned: between the two tries it was slower, and its friction changed by more than at either.
-            before, _ = friction_share(joint, other)
-            by_slip = (share - before) / (speed - other)
-        by_slip *= sliding_share(joint, depth)
-        pressing = max(normal.stage[s], 0.0)
-        tangential.by_normal[s] = -joint.friction_coefficient * share
-        tangential.law[s] = tangential.by_normal[s] * pressing
-        tangential.by_rate[s] = -joint.friction_coefficient * by_slip * pressing
-    repeat_last(normal.law)
-    repeat_last(tangential.law)
+def contact_law(joint, joint_state, scratch, normal, tangential):
+    """Fill forces and slopes at the stages of a contact's two loads; how many pieces of their laws changed."""
+    motion, tried, speed_zero = scratch.motion, scratch.tried, joint_state.impact_speed
+    depth, rate, speed = load4(motion[DEPTH], 0), load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
+    force, _, by_depth, by_rate = normal_force(joint, depth, rate, speed_zero)
+    # A contact that is stiffer than its bodies: its law is linearised at the depth that carries the load, for a
+    # small change of that depth changes the force by more than itself.
+    stage, nothing = load4(normal.stage, 0), splat4(0.0)
+    carrying, slope, carried_by_rate = depth_under(joint, stage, rate, speed_zero, load4(normal.give, 0))
+    store4(normal.law, 0, where_less(nothing, carrying, stage + slope * (depth - carrying), force))
+    store4(normal.by_value, 0, where_less(nothing, carrying, slope, by_depth))
+    store4(normal.by_rate, 0, where_less(nothing, carrying, carried_by_rate, by_rate))
+    share, by_slip = friction_share(joint, speed)
+    backward = where_less(speed, nothing, speed, load4(tried[0], 0))
+    forward = where_less(speed, nothing, load4(tried[1], 0), speed)
+    store4(tried[0], 0, backward)
+    store4(tried[1], 0, forward)
+    other = where_less(speed, nothing, forward, backward)
+    before, _ = friction_share(joint, other)
+    # Where sliding has turned: between the two tries it was slower, and its friction changed by more than at either.
+    by_slip = where_less(speed * other, nothing, (share - before) / (speed - other), by_slip)
+    pressing, by_normal = where_less(nothing, stage, stage, nothing), -joint.friction_coefficient * share
+    store4(tangential.by_normal, 0, by_normal)
+    store4(tangential.law, 0, by_normal * pressing)
+    by_rate = -joint.friction_coefficient * by_slip * sliding_share(joint, depth) * pressing
+    store4(tangential.by_rate, 0, by_rate)
+    magnitude = where_less(speed, nothing, -speed, speed)
+    piece = where_less(nothing, depth, 1.0, nothing) + where_less(speed, nothing, 2.0, nothing)
+    piece = piece + where_less(joint.friction_speed_zero, magnitude, 4.0, nothing)
+    return enter_piece(normal, piece + where_less(magnitude, joint.friction_speed_full, nothing, 8.0))
 
 
 @kernel
-def contact_rows(model, state, work, r, renewed):
+def contact_laws(model, state, work, n):
+    """Fill the laws of all contacts among the unknowns; how many of their pieces changed, by stage."""
+    changed = splat4(0.0)
+    for r in range(n):
+        if work.unknowns[r].kind == NORMAL_ROW:
+            j, first = work.unknowns[r].owner, work.unknowns[r].number
+            scratch, normal, tangential = work.joints[j], work.loads[first], work.loads[first + 1]
+            changed = changed + contact_law(model.joints[j], state.joints[j], scratch, normal, tangential)
+    return changed
+
+
+@kernel
+def contact_rows(work, r, renewed):
     """Rows of a contact's normal and tangential force, as of a torque."""
-    j, first = work.unknowns[r].owner, work.unknowns[r].number
-    normal, tangential, scratch = work.loads[first], work.loads[first + 1], work.joints[j]
-    response = work.mobility[r, r].response
-    contact_law(model.joints[j], state.joints[j], scratch.motion, response, normal, tangential, scratch.tried)
+    first = work.unknowns[r].number
+    normal, tangential = work.loads[first], work.loads[first + 1]
     store4(work.residual[r], 0, load4(normal.law, 0) - load4(normal.stage, 0))
     store4(work.residual[r + 1], 0, load4(tangential.law, 0) - load4(tangential.stage, 0))
     if renewed:
@@ -125,17 +144,6 @@ def contact_rows(model, state, work, r, renewed):
         for k in range(STAGES):
             row = work.matrix[STAGES * r + k, r + 1]
             store4(row, 0, load4(row, 0) - by_normal * load4(_UNIT[k], 0))
-
-
-@kernel
-def piece_of_law(joint, joint_state, motion, kind, s):
-    """Number, below 31, of the piece of its law in which a torque or a contact is at a stage."""
-    if kind == TORQUE_ROW:
-        depth, direction = stop_depth(joint, joint_state.latched, motion[ANGLE, s])
-        return 0 if depth <= 0.0 else (1 if direction > 0.0 else 2)
-    speed = abs(motion[SLIDING_SPEED, s])
-    piece = (1 if motion[DEPTH, s] > 0.0 else 0) + (2 if motion[SLIDING_SPEED, s] < 0.0 else 0)
-    return piece + (4 if speed > joint.friction_speed_zero else 0) + (8 if speed >= joint.friction_speed_full else 0)
 
 
 @kernel

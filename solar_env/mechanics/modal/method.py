@@ -24,7 +24,7 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_Y,
 )
 from solar_env.mechanics.modal.books import add_integrals, cubic
-from solar_env.mechanics.modal.equations import fill_torques
+from solar_env.mechanics.modal.equations import torque_laws
 from solar_env.mechanics.modal.motion import force_of, look_at, start_from_end
 from solar_env.mechanics.modal.solve import ModalSettings, solve_step
 from solar_env.mechanics.modal.tables import (
@@ -77,7 +77,7 @@ def start_loads(model, state, work):
     look_at(model, state.q, state.v, work)
     start_from_end(model, state, state.q, work)
     note_extremes(model, state, work, state.v)
-    fill_torques(model, state, work)
+    torque_laws(model, state, work)
     for k in range(model.joints.size + model.cables.size):
         set_load(state, k, work.loads[k].law[LAST])
     take_motion(model, state, work)
@@ -139,32 +139,18 @@ def tables_of(model, work):
 
 
 @kernel
-def solve_size(model, state, settings, work, h):
-    """Solve a step of the size `h` [s] of the trial's level of tables; False, with how to go on, if it cannot be."""
+def attempt_modal(model, state, settings, work, h):
+    """Solve a step `h` [s]; its error in units of the tolerance, none of a step that was cut."""
     trial = work.trial[0]
+    if trial.cuts > 0:
+        trial.level = _OFF_TABLE
     if trial.level == _OFF_TABLE:
         fill_level(model.panels, work.tables, _CUT, h)
     tables, level = tables_of(model, work)
-    if solve_step(model, state, work, settings, tables, level, h):
-        return True
-    trial.retry, trial.reason = UNSOLVED * h, NEWTON_STALLED if trial.joint >= 0 else SINGULAR_CONSTRAINTS
-    return False
-
-
-@kernel
-def attempt_modal(model, state, settings, work, h):
-    """Solve a step `h` [s]; its error in units of the tolerance."""
-    if not solve_size(model, state, settings, work, h):
+    if not solve_step(model, state, work, settings, tables, level, h):
+        trial.retry, trial.reason = UNSOLVED * h, NEWTON_STALLED if trial.joint >= 0 else SINGULAR_CONSTRAINTS
         return math.inf
-    tables, level = tables_of(model, work)
-    return step_error(model, state, work, settings, tables, level, h)
-
-
-@kernel
-def cut_modal(model, state, settings, work, h):
-    """Solve a shorter step `h` [s] in place of the one tried; False if that cannot be done."""
-    work.trial[0].level = _OFF_TABLE
-    return solve_size(model, state, settings, work, h)
+    return 0.0 if trial.cuts > 0 else step_error(model, state, work, settings, tables, level, h)
 
 
 @kernel

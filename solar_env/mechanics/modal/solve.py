@@ -30,7 +30,7 @@ from solar_env.mechanics.modal.arrays import (
 )
 from solar_env.mechanics.modal.elimination import eliminate, substitute
 from solar_env.mechanics.modal.ends import add_modal_forces, bend, couple, forced_ends, free_ends, shorten_ends
-from solar_env.mechanics.modal.equations import contact_rows, fill_torques, piece_of_law, reaction_row, torque_row
+from solar_env.mechanics.modal.equations import contact_laws, contact_rows, reaction_row, torque_laws, torque_row
 from solar_env.mechanics.modal.motion import (
     NODES_IN_LANES,
     distribute_loads,
@@ -55,7 +55,7 @@ from solar_env.mechanics.modal.tables import (
 )
 from solar_env.mechanics.modal.unknowns import DEVIATION, fill_mobility, list_rows
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.vectors import load4, splat4, square_roots, store4, where_less
+from solar_env.mechanics.numerics.vectors import lane, load4, splat4, square_roots, store4, where_less
 
 _MOST_ITERATIONS = 30
 # Foreshortening is of second order: its forces, which go on along their course, are renewed in the first iteration, and
@@ -213,6 +213,9 @@ def set_tolerances(state, work, settings, h, n):
             gain += DEVIATION * abs(response[COLUMNS * k + END_RATE])
         load.tolerance = limit / gain
         if kind == NORMAL_ROW:
+            for s in range(LANES):
+                stage = min(s, LAST)
+                load.give[s] = abs(response[COLUMNS * stage + stage])
             joint_state = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * joint_state.impact_speed * joint_state.contact_duration
             depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], least)
@@ -224,55 +227,63 @@ def set_tolerances(state, work, settings, h, n):
 
 
 @kernel
-def correct_loads(model, state, work, n, h, renewed):
-    """One correction of the loads by Newton's method, whose matrix is kept unless `renewed`.
+def greatest_lane(vector):
+    """The greatest of the numbers at the stages."""
+    return max(max(lane(vector, 0), lane(vector, 1)), lane(vector, 2))
 
-    Returns the greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the
-    matrix is singular or a change is not finite.
-    """
-    size, apart, total = 0.0, 0.0, 0.0
-    fill_torques(model, state, work)
+
+@kernel
+def magnitude(vector):
+    """The numbers without their signs."""
+    return where_less(vector, 0.0, -vector, vector)
+
+
+@kernel
+def factor_matrix(work, n, h, state, renewed):
+    """Fill the residuals and, where it is `renewed`, Newton's matrix, block by block; False if it is singular."""
     for r in range(n):
         kind = work.unknowns[r].kind
         if kind in (TORQUE_ROW, CABLE_ROW):
             torque_row(work, r, renewed)
         elif kind == NORMAL_ROW:
-            contact_rows(model, state, work, r, renewed)
+            contact_rows(work, r, renewed)
         elif kind != TANGENTIAL_ROW:
             reaction_row(state, work, r, h, renewed)
-    for k in range(model.joints.size + model.cables.size):
-        load = work.loads[k]
-        if not load.unknown:
-            for s in range(STAGES):
-                change = load.law[s] - load.stage[s]
-                total += change
-                apart = max(apart, abs(change) / load.tolerance)
-            store4(load.stage, 0, load4(load.law, 0))
     for r in range(n):
-        first, end = work.unknowns[r].first, work.unknowns[r].end
-        if first == r:
-            if renewed and not eliminate(work.matrix, work.pivots, first, end):
-                return math.inf, math.inf
-            substitute(work.matrix, work.pivots, first, end, work.residual, work.correction)
-    for r in range(n):
-        load, correction = work.loads[work.unknowns[r].number], work.correction[r]
-        store4(load.stage, 0, load4(load.stage, 0) + load4(correction, 0))
-        for s in range(STAGES):
-            total += correction[s]
-            size = max(size, abs(correction[s]) / load.tolerance)
-    return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
+        begins = renewed and work.unknowns[r].first == r
+        if begins and not eliminate(work.matrix, work.pivots, r, work.unknowns[r].end):
+            return False
+    return True
 
 
 @kernel
-def pieces_of_laws(model, state, work, n):
-    """A number that tells in which pieces of their laws the unknown loads are at the stages."""
-    pieces = 0
+def correct_loads(model, state, work, n, h, renewed):
+    """One correction of the loads by Newton's method, whose matrix is kept unless `renewed` or a law is in new pieces.
+
+    Returns the greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the
+    matrix is singular or a change is not finite.
+    """
+    size = apart = total = splat4(0.0)
+    changed = greatest_lane(torque_laws(model, state, work) + contact_laws(model, state, work, n))
+    if not factor_matrix(work, n, h, state, renewed or changed > 0.0):
+        return math.inf, math.inf
+    for k in range(model.joints.size + model.cables.size):
+        load = work.loads[k]
+        if not load.unknown:
+            change = load4(load.law, 0) - load4(load.stage, 0)
+            total, off = total + change, magnitude(change) / load.tolerance
+            apart = where_less(apart, off, off, apart)
+            store4(load.stage, 0, load4(load.law, 0))
     for r in range(n):
-        kind, j = work.unknowns[r].kind, work.unknowns[r].owner
-        if kind in (TORQUE_ROW, NORMAL_ROW):
-            for s in range(STAGES):
-                pieces = 31 * pieces + piece_of_law(model.joints[j], state.joints[j], work.joints[j].motion, kind, s)
-    return pieces
+        if work.unknowns[r].first == r:
+            substitute(work.matrix, work.pivots, r, work.unknowns[r].end, work.residual, work.correction)
+    for r in range(n):
+        load, correction = work.loads[work.unknowns[r].number], load4(work.correction[r], 0)
+        store4(load.stage, 0, load4(load.stage, 0) + correction)
+        total, off = total + correction, magnitude(correction) * (1.0 / load.tolerance)
+        size = where_less(size, off, off, size)
+    finite = math.isfinite(lane(total, 0) + lane(total, 1) + lane(total, 2))
+    return (greatest_lane(size), greatest_lane(apart)) if finite else (math.inf, math.inf)
 
 
 @kernel
@@ -288,7 +299,7 @@ def furthest_off(model, work, n):
     return joint
 
 
-@kernel(inlined=False)
+@kernel
 def solve_step(model, state, work, settings, tables, level, h):
     """Solve for the loads of a step `h` [s]; False if Newton's iteration does not converge."""
     for b in range(model.bodies.size):
@@ -302,7 +313,7 @@ def solve_step(model, state, work, settings, tables, level, h):
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
     work.step[0].unknowns, work.trial[0].joint = n, -1
-    before, renewed, constrained, solved = math.inf, True, False, 0
+    before, renewed, constrained = math.inf, True, False
     for r in range(n):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
     work.step[0].constrained = constrained
@@ -315,10 +326,6 @@ def solve_step(model, state, work, settings, tables, level, h):
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
         set_tolerances(state, work, settings, h, n)
-        pieces = pieces_of_laws(model, state, work, n)
-        renewed = renewed or pieces != solved
-        if renewed:
-            solved = pieces
         size, apart = correct_loads(model, state, work, n, h, renewed)
         shrinking = size < _SHRINKING * before
         size = max(size, apart)

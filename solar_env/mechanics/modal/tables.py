@@ -68,6 +68,11 @@ _DAMPED = 0.02
 _SERIES = 3.0
 _TERMS = 26
 _NEGLIGIBLE = 1e-20  # part of what a term is added to
+_SHARES = np.array([1.0 / ((n + 2) * (n + 1)) for n in range(_TERMS)])
+# In lanes of the cases: start value, start rate, and by power the loads' courses.
+_UNIT_VALUE, _UNIT_RATE = np.eye(2, COLUMNS)
+_UNIT_LOADS = np.zeros((STAGES, COLUMNS))
+_UNIT_LOADS[:, 2 : 2 + STAGES] = np.transpose(POLYNOMIAL)
 
 # Tabled step sizes: the greatest [s], and their number; each is the one before over the square root of two.
 GREATEST_STEP = 0.032
@@ -75,8 +80,9 @@ LEVELS = 50
 _SIZES = GREATEST_STEP * 2.0 ** (-0.5 * np.arange(LEVELS))
 
 # Errors of a vibration that is not resolved: of its rate, and of its value times its frequency. Either one vanishes at
-# some phases.
+# some phases. Free motion has them in the lanes that have no stage.
 DEFECTS = 2
+DEFECT_LANES = (STAGES, LANES + STAGES)
 
 # Groups of modes. Values of an end: deflection and slope in bending, axial displacement (and nothing) in stretching.
 BENDING_EVEN, BENDING_ODD, AXIAL_EVEN, AXIAL_ODD = range(4)
@@ -102,6 +108,7 @@ answer_type = record(
         ("coefficient", np.float64, COEFFICIENTS),  # see COEFFICIENTS
         # Of the rate at the end by start value and by start rate; then of the value, times the frequency.
         ("defect", np.float64, 2 * DEFECTS),
+        ("series", np.float64, (2 * STAGES, COLUMNS)),  # scratch: values and rates at the stages, by case
     ]
 )
 
@@ -171,10 +178,9 @@ class Tables(NamedTuple):
     """Answers of D designs' modes, and of the groups' ends, to steps of L sizes (levels), in the order of their use."""
 
     answers: NDArray[np.void]  # (1,) scratch, of `answer_type`
-    free: Array  # (D, L, modes, 2 COLUMNS) motion at the stages by start value and start rate
+    free: Array  # (D, L, modes, 2 COLUMNS) motion at the stages by start value and start rate, and DEFECT_LANES of both
     forced: Array  # (D, L, GROUPS, LOW, BY_LOAD) motion at the stages of the coupled modes by their loads
     ends: Array  # (D, L, END_ROWS, modes) motion at the end, see END_ROWS
-    defects: Array  # (D, L, DEFECTS, 2, modes) of the first end's motion by start value and start rate of a mode
     responses: NDArray[np.void]  # (D, L) rows of `response_type`
 
 
@@ -187,40 +193,47 @@ def make_tables(panels: Panels, levels: int) -> Tables:
         free=np.zeros((*shape, modes, 2 * COLUMNS)),
         forced=np.zeros((*shape, GROUPS, LOW, BY_LOAD)),
         ends=np.zeros((*shape, END_ROWS, modes)),
-        defects=np.zeros((*shape, DEFECTS, 2, modes)),
         responses=np.zeros(shape, response_type),
     )
 
 
 @kernel
-def exact_coefficients(frequency, damping_rate, h, coefficients):
-    """Fill (COEFFICIENTS,) for a mode that the step resolves: by its Taylor series, whose terms fall as 1/n!."""
+def exact_coefficients(frequency, damping_rate, h, answer):
+    """Fill an `answer_type` for a mode that the step resolves: by its Taylor series, whose terms fall as 1/n!.
+
+    Lanes are the cases: unit start value, start rate of 1/h, and loads of 1/h^2 at the stages.
+    """
     square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
+    first, second, largest = load8(_UNIT_VALUE, 0), load8(_UNIT_RATE, 0), 1.0
+    rate0 = rate1 = rate2 = second
+    value0, value1, value2 = first + NODES[0] * second, first + NODES[1] * second, first + second
+    power0, power1 = NODES[0], NODES[1]
+    # From the terms of the powers n and n + 1 follows that of n + 2.
+    for n in range(_TERMS):
+        share = _SHARES[n]
+        following = share * (-(damping * (n + 1)) * second - square * first)
+        if n < STAGES:
+            following = following + share * load8(_UNIT_LOADS[n], 0)
+        rate = (n + 2) * following
+        rate0, rate1, rate2 = rate0 + power0 * rate, rate1 + power1 * rate, rate2 + rate
+        power0, power1 = power0 * NODES[0], power1 * NODES[1]
+        value0, value1, value2 = value0 + power0 * following, value1 + power1 * following, value2 + following
+        first, second = second, following
+        largest *= (frequency * h + damping) * (n + 1) * share
+        if n > STAGES and largest < _NEGLIGIBLE:
+            break
+    inverse = 1.0 / h
+    store8(answer.series[0], 0, value0)
+    store8(answer.series[1], 0, value1)
+    store8(answer.series[2], 0, value2)
+    store8(answer.series[3], 0, inverse * rate0)
+    store8(answer.series[4], 0, inverse * rate1)
+    store8(answer.series[5], 0, inverse * rate2)
     for case in range(2 + STAGES):
-        row = coefficients[COLUMNS * case : COLUMNS * (case + 1)]
         scale = 1.0 if case == 0 else (h if case == 1 else h * h)
-        first, second = 1.0 if case == 0 else 0.0, h if case == 1 else 0.0
-        for s in range(LANES):
-            row[s], row[LANES + s] = first + NODES[min(s, LAST)] * second, second
-        # From the terms of the powers n and n + 1 follows that of n + 2.
-        first_power, second_power = NODES[0], NODES[1]
-        for n in range(_TERMS):
-            load = h * h * POLYNOMIAL[case - 2][n] if case >= 2 and n < STAGES else 0.0
-            following = (load - damping * (n + 1) * second - square * first) / ((n + 2) * (n + 1))
-            rate = following * (n + 2)
-            row[LANES] += rate * first_power
-            row[LANES + 1] += rate * second_power
-            row[LANES + LAST] += rate
-            first_power, second_power = first_power * NODES[0], second_power * NODES[1]
-            row[0] += following * first_power
-            row[1] += following * second_power
-            row[LAST] += following
-            first, second = second, following
-            if n > STAGES and abs(first) + abs(second) < _NEGLIGIBLE * scale:
-                break
-        row[LANES - 1], row[COLUMNS - 1] = row[LAST], row[LANES + LAST]
-        for s in range(LANES):
-            row[LANES + s] /= h
+        for s in range(STAGES):
+            answer.coefficient[COLUMNS * case + s] = scale * answer.series[s, case]
+            answer.coefficient[COLUMNS * case + LANES + s] = scale * answer.series[STAGES + s, case]
 
 
 @kernel
@@ -228,8 +241,8 @@ def closed_coefficients(frequency, damping_rate, h, coefficients):
     """Fill (COEFFICIENTS,) for an underdamped mode: free vibration about what a load's polynomial holds in place."""
     square, inverse = frequency * frequency, 1.0 / h
     damped = math.sqrt(square - damping_rate * damping_rate)
-    for s in range(LANES):
-        share = NODES[min(s, LAST)]
+    for s in range(STAGES):
+        share = NODES[s]
         decay = math.exp(-damping_rate * share * h)
         cosine, sine = decay * math.cos(damped * share * h), decay * math.sin(damped * share * h) / damped
         value_by_value, value_by_rate = cosine + damping_rate * sine, sine
@@ -276,11 +289,10 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
         g2 = (c21 * f1 + c22 * f2 + c23 * f3) * inverse
         g3 = (c31 * f1 + c32 * f2 + c33 * f3) * inverse
         row = COLUMNS * case
-        for s in range(LANES):
-            at = min(s, LAST)
-            moved = B[at][0] * g1 + B[at][1] * g2 + B[at][2] * g3
-            coefficients[row + s] = y0 + h * (v0 * NODES[at] + h * moved)
-            coefficients[row + LANES + s] = v0 + h * (A[at][0] * g1 + A[at][1] * g2 + A[at][2] * g3)
+        for s in range(STAGES):
+            moved = B[s][0] * g1 + B[s][1] * g2 + B[s][2] * g3
+            coefficients[row + s] = y0 + h * (v0 * NODES[s] + h * moved)
+            coefficients[row + LANES + s] = v0 + h * (A[s][0] * g1 + A[s][1] * g2 + A[s][2] * g3)
 
 
 @kernel(inlined=False)
@@ -292,19 +304,21 @@ def fill_answer(frequency, damping_rate, exact, h, answer):
     short, underdamped = 2.0 * damping_rate * h < RESOLVED, frequency > damping_rate
     if short and (phase < RESOLVED or (underdamped and phase < exact and damping_rate > _DAMPED * frequency)):
         if phase < _SERIES:
-            exact_coefficients(frequency, damping_rate, h, coefficients)
+            exact_coefficients(frequency, damping_rate, h, answer)
         else:
             closed_coefficients(frequency, damping_rate, h, coefficients)
-        return
-    rational_coefficients(frequency, damping_rate, h, coefficients)
-    if underdamped:
-        damped = math.sqrt(frequency * frequency - damping_rate * damping_rate)
-        decay = math.exp(-damping_rate * h)
-        sine, cosine = decay * math.sin(damped * h) / damped, decay * math.cos(damped * h)
-        answer.defect[0] = -frequency * frequency * sine - coefficients[FROM_VALUE + END_RATE]
-        answer.defect[1] = cosine - damping_rate * sine - coefficients[FROM_RATE + END_RATE]
-        answer.defect[2] = frequency * (cosine + damping_rate * sine - coefficients[FROM_VALUE + END_VALUE])
-        answer.defect[3] = frequency * (sine - coefficients[FROM_RATE + END_VALUE])
+    else:
+        rational_coefficients(frequency, damping_rate, h, coefficients)
+        if underdamped:
+            damped = math.sqrt(frequency * frequency - damping_rate * damping_rate)
+            decay = math.exp(-damping_rate * h)
+            sine, cosine = decay * math.sin(damped * h) / damped, decay * math.cos(damped * h)
+            answer.defect[0] = -frequency * frequency * sine - coefficients[FROM_VALUE + END_RATE]
+            answer.defect[1] = cosine - damping_rate * sine - coefficients[FROM_RATE + END_RATE]
+            answer.defect[2] = frequency * (cosine + damping_rate * sine - coefficients[FROM_VALUE + END_VALUE])
+            answer.defect[3] = frequency * (sine - coefficients[FROM_RATE + END_VALUE])
+    for column in range(STAGES, COEFFICIENTS, LANES):
+        coefficients[column] = coefficients[column - 1]
 
 
 @kernel
@@ -335,7 +349,7 @@ def add_mode(mode, answer, group, responses):
 
 
 @kernel
-def keep_answer(tables, mode, d, level, k, answer):
+def keep_answer(tables, d, level, k, answer):
     """Copy the answer of mode `k` to the tables."""
     coefficients = answer.coefficient
     for c in range(2 * COLUMNS):
@@ -345,7 +359,7 @@ def keep_answer(tables, mode, d, level, k, answer):
         tables.ends[d, level, 2 + STAGES + case, k] = coefficients[COLUMNS * case + END_RATE]
     for kind in range(DEFECTS):
         for case in range(2):
-            tables.defects[d, level, kind, case, k] = mode.row[0] * answer.defect[2 * kind + case]
+            tables.free[d, level, k, COLUMNS * case + DEFECT_LANES[kind]] = answer.defect[2 * kind + case]
 
 
 @kernel(inlined=False)
@@ -366,7 +380,7 @@ def fill_level(panels, tables, level, h):
                 mode, r = panels.modes[d, k], k - panels.first[group]
                 rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
                 fill_answer(mode.frequency, rate, panels.exact, h, answer)
-                keep_answer(tables, mode, d, level, k, answer)
+                keep_answer(tables, d, level, k, answer)
                 if r < panels.coupled[group]:
                     for c in range(BY_LOAD):
                         tables.forced[d, level, group, r, c] = answer.coefficient[FROM_LOAD + c]

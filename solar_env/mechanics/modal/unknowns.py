@@ -131,6 +131,7 @@ def mark_blocks(work, n, h):
     apart = h < _APART
     for r in range(n):
         apart = apart and work.unknowns[r].kind not in (CABLE_ROW, REACTION_X_ROW, REACTION_Y_ROW)
+    work.step[0].apart = apart
     first = 0
     for r in range(n):
         if apart and work.unknowns[r].owner != work.unknowns[first].owner:
@@ -181,50 +182,70 @@ def fill_unit_loads(model, work, n):
 
 
 @kernel
-def move_ends(response, load, odd, motion):
-    """Motion of both ends of a panel, along, across and turning, by a load at the end where `odd` is `side`."""
+def enter_motion(motion, i, column, end, same, opposite, both):
+    """Enter a component of the motion of a panel's loaded `end` and, where `both`, of the other one: of its parts that
+    are the same at both ends, and opposite.
+    """
+    store8(motion[end, i], column, same + opposite)
+    if both:
+        store8(motion[1 - end, i], column, same - opposite)
+
+
+@kernel
+def move_ends(response, load, end, motion, both):
+    """Motion of the `end` of a panel that is loaded, along, across and turning, and where `both` of the other end."""
+    odd = side(end)
     along, across, torque = load[0], load[1], load[2]
     for k in range(STAGES):
         c = COLUMNS * k
+        even = load8(response[AXIAL_EVEN, 0, 0], c) * along
+        other = load8(response[AXIAL_ODD, 0, 0], c) * along
+        enter_motion(motion, 0, c, end, even, other, both)
         even = load8(response[BENDING_EVEN, 0, 0], c) * across + load8(response[BENDING_EVEN, 0, 1], c) * (odd * torque)
-        other = load8(response[BENDING_ODD, 0, 0], c) * (odd * across) + load8(response[BENDING_ODD, 0, 1], c) * torque
-        store8(motion[0, 1], c, even + other)
-        store8(motion[1, 1], c, even - other)
-        even = load8(response[BENDING_EVEN, 1, 0], c) * across + load8(response[BENDING_EVEN, 1, 1], c) * (odd * torque)
+        other = load8(response[BENDING_ODD, 0, 0], c) * across + load8(response[BENDING_ODD, 0, 1], c) * (odd * torque)
+        enter_motion(motion, 1, c, end, even, other, both)
+        even = load8(response[BENDING_EVEN, 1, 0], c) * (odd * across) + load8(response[BENDING_EVEN, 1, 1], c) * torque
         other = load8(response[BENDING_ODD, 1, 0], c) * (odd * across) + load8(response[BENDING_ODD, 1, 1], c) * torque
-        store8(motion[0, 2], c, other + even)
-        store8(motion[1, 2], c, other - even)
-        even, other = load8(response[AXIAL_EVEN, 0, 0], c) * along, load8(response[AXIAL_ODD, 0, 0], c) * (odd * along)
-        store8(motion[0, 0], c, even + other)
-        store8(motion[1, 0], c, even - other)
+        enter_motion(motion, 2, c, end, other, even, both)
+
+
+@kernel
+def add_shared(work, model, number, reading, other, opposite, sums):
+    """Add to three vectors the motion read off at an attachment, by a unit of the `other` unknown at one of its own."""
+    attachment, load, (first, second, third) = model.attachments[number], other.load[opposite], sums
+    body = model.bodies[attachment.body]
+    share = (reading[0] * load[0] + reading[1] * load[1]) * body.inverse_mass
+    share += reading[3] * load[3] * body.inverse_inertia
+    first = first + share * load8(work.rigid, 0)
+    second = second + share * load8(work.rigid, COLUMNS)
+    third = third + share * load8(work.rigid, 2 * COLUMNS)
+    if body.panel != RIGID_BODY:
+        motion = other.motion[opposite, attachment.end]
+        for i in range(3):
+            first = first + reading[i] * load8(motion[i], 0)
+            second = second + reading[i] * load8(motion[i], COLUMNS)
+            third = third + reading[i] * load8(motion[i], 2 * COLUMNS)
+    return first, second, third
 
 
 @kernel
 def share_motion(model, work, p, q):
     """Fill the motion that unknown `p` reads off by a unit of unknown `q`: of the bodies that both load."""
-    one, other = work.unknowns[p], work.unknowns[q]
-    first, second, third = splat8(0.0), splat8(0.0), splat8(0.0)
-    for face in range(one.faces):
-        attachment, reading = model.attachments[one.attachment[face]], one.reading[face]
-        body = model.bodies[attachment.body]
-        for opposite in range(other.faces):
-            if model.attachments[other.attachment[opposite]].body == attachment.body:
-                load = other.load[opposite]
-                share = (reading[0] * load[0] + reading[1] * load[1]) * body.inverse_mass
-                share += reading[3] * load[3] * body.inverse_inertia
-                first = first + share * load8(work.rigid, 0)
-                second = second + share * load8(work.rigid, COLUMNS)
-                third = third + share * load8(work.rigid, 2 * COLUMNS)
-                if body.panel != RIGID_BODY:
-                    motion = other.motion[opposite, attachment.end]
-                    for i in range(3):
-                        first = first + reading[i] * load8(motion[i], 0)
-                        second = second + reading[i] * load8(motion[i], COLUMNS)
-                        third = third + reading[i] * load8(motion[i], 2 * COLUMNS)
+    one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
+    sums = nothing, nothing, nothing
+    if one.owner == other.owner and one.kind != CABLE_ROW and other.kind != CABLE_ROW:
+        for face in range(2):
+            sums = add_shared(work, model, one.attachment[face], one.reading[face], other, face, sums)
+    else:
+        for face in range(one.faces):
+            body = model.attachments[one.attachment[face]].body
+            for opposite in range(other.faces):
+                if model.attachments[other.attachment[opposite]].body == body:
+                    sums = add_shared(work, model, one.attachment[face], one.reading[face], other, opposite, sums)
     shared = work.mobility[p, q].response
-    store8(shared, 0, first)
-    store8(shared, COLUMNS, second)
-    store8(shared, 2 * COLUMNS, third)
+    store8(shared, 0, sums[0])
+    store8(shared, COLUMNS, sums[1])
+    store8(shared, 2 * COLUMNS, sums[2])
 
 
 @kernel
@@ -240,7 +261,7 @@ def fill_mobility(model, work, tables, level, h, n):
             body = model.bodies[attachment.body]
             if body.panel != RIGID_BODY:
                 response = tables.responses[body.design, level].response
-                move_ends(response, unknown.load[face], side(attachment.end), unknown.motion[face])
+                move_ends(response, unknown.load[face], attachment.end, unknown.motion[face], not work.step[0].apart)
     for p in range(n):
         for q in range(work.unknowns[p].first, p + 1):
             share_motion(model, work, p, q)

@@ -3,6 +3,7 @@
 import math
 
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import load4, splat4, sum_lanes
 
 
 @kernel
@@ -22,6 +23,18 @@ def greatest(values):
             if worst != worst:
                 break
     return worst
+
+
+@kernel
+def all_finite(values):
+    """Whether all numbers of a vector are finite."""
+    sums, whole = splat4(0.0), values.size - values.size % 4
+    for k in range(0, whole, 4):
+        sums = sums + 0.0 * load4(values, k)
+    total = sum_lanes(sums)
+    for k in range(whole, values.size):
+        total += 0.0 * values[k]
+    return total == 0.0
 
 
 @kernel

@@ -71,6 +71,7 @@ def _width(width: int) -> tuple[Callable[..., Any], Callable[..., Any], Callable
     def splat(number: float) -> Any:
         return np.full(width, float(number))
 
+    # Numbers that follow each other in memory: whether an array's do, its type does not always tell.
     _typed(load, lambda array, first: VECTORS[width])
     _typed(store, lambda array, first, vector: types.none)
     _typed(splat, lambda number: VECTORS[width])
@@ -108,6 +109,41 @@ def _lane(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.extract_element(args[0], builder.trunc(args[1], _INDEX))
 
 
+def sum_lanes(vector: Any) -> Any:
+    """Return the sum of all lanes, or a number as it is."""
+    return np.sum(vector)
+
+
+_typed(sum_lanes, lambda vector: types.float64)
+
+
+@lower_builtin(sum_lanes, Vector)
+@lower_builtin(sum_lanes, types.Float)
+def _sum_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    total = args[0]
+    if isinstance(sig.args[0], Vector):
+        lanes = [builder.extract_element(total, ir.Constant(_INDEX, k)) for k in range(sig.args[0].width)]
+        while len(lanes) > 1:
+            pairs = zip(lanes[::2], lanes[1::2], strict=True)
+            lanes = [builder.fadd(one, other) for one, other in pairs]
+        total = lanes[0]
+    return total
+
+
+def third_repeated(vector: Any) -> Any:
+    """Return eight lanes of which the fourth repeats the third, and the last the one before it."""
+    return vector[[0, 1, 2, 2, 4, 5, 6, 6]]
+
+
+_typed(third_repeated, lambda vector: vector)
+
+
+@lower_builtin(third_repeated, Vector)
+def _third_repeated(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    lanes = ir.Constant(ir.VectorType(_INDEX, 8), [0, 1, 2, 2, 4, 5, 6, 6])
+    return builder.shuffle_vector(args[0], args[0], lanes)
+
+
 def lower_half(vector: Any) -> Any:
     """Return the first four lanes of eight."""
     return vector[:4].copy()
@@ -140,6 +176,14 @@ def _joined(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.shuffle_vector(*args, ir.Constant(ir.VectorType(_INDEX, 8), list(range(8))))
 
 
+def _call(builder: Any, name: str, result: Any, args: Any) -> Any:
+    """Call one of LLVM's functions of numbers, or of vectors lane by lane."""
+    kinds = [value.type for value in args]
+    suffix = f"v{result.width}f64" if isinstance(result, Vector) else "f64"
+    function = ir.FunctionType(kinds[0], kinds)
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, f"llvm.{name}.{suffix}"), args)
+
+
 def square_roots(vector: Any) -> Any:
     """Return the square root of a number, or of every lane."""
     return np.sqrt(vector)
@@ -151,9 +195,38 @@ _typed(square_roots, lambda number: number)
 @lower_builtin(square_roots, Vector)
 @lower_builtin(square_roots, types.Float)
 def _square_roots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    kind, width = args[0].type, getattr(sig.return_type, "width", None)
-    name = f"llvm.sqrt.v{width}f64" if width else "llvm.sqrt.f64"
-    return builder.call(cgutils.get_or_insert_function(builder.module, ir.FunctionType(kind, [kind]), name), args)
+    return _call(builder, "sqrt", sig.return_type, args)
+
+
+def cube_roots(vector: Any) -> Any:
+    """Return the cube root of every lane, which must not be negative."""
+    return np.cbrt(vector)
+
+
+_typed(cube_roots, lambda vector: vector)
+# The high halves of a double's bits over three, plus this, are those of its cube root but for 5 % (W. Kahan and
+# K. C. Ng's approximation, in the C library of FreeBSD: s_cbrt.c).
+_THIRD_OF_BIAS = 715094163
+
+
+@lower_builtin(cube_roots, Vector)
+def _cube_roots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    width, vector = sig.return_type.width, args[0]
+    halves, wholes = ir.VectorType(ir.IntType(32), width), ir.VectorType(ir.IntType(64), width)
+
+    def repeated(kind: Any, number: int) -> Any:
+        return ir.Constant(kind, [number] * width)
+
+    high = builder.lshr(builder.bitcast(vector, wholes), repeated(wholes, 32))
+    third = builder.udiv(builder.trunc(high, halves), repeated(halves, 3))
+    near = builder.zext(builder.add(third, repeated(halves, _THIRD_OF_BIAS)), wholes)
+    root = builder.bitcast(builder.shl(near, repeated(wholes, 32)), vector.type)
+    # E. Halley's iteration: each one leaves less than the error's cube.
+    for _ in range(3):
+        cube = builder.fmul(root, builder.fmul(root, root))
+        above = builder.fadd(cube, builder.fadd(vector, vector))
+        root = builder.fmul(root, builder.fdiv(above, builder.fadd(builder.fadd(cube, cube), vector)))
+    return root
 
 
 def where_less(one: Any, other: Any, chosen: Any, otherwise: Any) -> Any:
@@ -174,6 +247,25 @@ def _where_less(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     if isinstance(sig.return_type, Vector):
         args = [_widened(builder, *pair, sig.return_type.width) for pair in zip(sig.args, args, strict=True)]
     return builder.select(builder.fcmp_ordered("<", args[0], args[1]), args[2], args[3])
+
+
+@infer_global(operator.pow)
+class _Power(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(args[0], args[0], types.float64) if isinstance(args[0], Vector) else None
+
+
+@lower_builtin(operator.pow, Vector, types.Float)
+def _raised(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    # Not LLVM's own function, which it takes to be cheap: it would raise to powers on both sides of a branch.
+    number = ir.DoubleType()
+    function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(number, [number] * 2), "pow")
+    vector = args[0]
+    for k in range(sig.return_type.width):
+        place = ir.Constant(_INDEX, k)
+        raised = builder.call(function, [builder.extract_element(vector, place), args[1]])
+        vector = builder.insert_element(vector, raised, place)
+    return vector
 
 
 @infer_global(operator.neg)

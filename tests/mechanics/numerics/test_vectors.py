@@ -35,6 +35,14 @@ def roots(row, out):
 
 
 @njit
+def sums_and_powers(row, out):
+    """Fill `out` (8,) with cube roots and powers of the last four numbers, and return the sum of the first four."""
+    part = vectors.load4(row, 4)
+    vectors.store8(out, 0, vectors.joined(vectors.cube_roots(part), part**1.7))
+    return vectors.sum_lanes(vectors.load4(row, 0))
+
+
+@njit
 def root_or_zero(number):
     """The same for one number."""
     return vectors.where_less(0.0, number, vectors.square_roots(number), 0.0)
@@ -57,3 +65,13 @@ def test_choices_and_roots_are_the_same_for_numbers_and_lanes() -> None:
     out = np.zeros(4)
     roots(ROW, out)
     assert out.tolist() == [2.0, 0.0, 3.0, 0.5] == [float(root_or_zero(x)) for x in ROW[:4]]
+
+
+def test_powers_and_sums_are_those_of_numbers() -> None:
+    out = np.zeros(8)
+    assert sums_and_powers(ROW, out) == ROW[:4].sum() == vectors.sum_lanes(ROW[:4])
+    assert out == pytest.approx([*np.cbrt(ROW[4:]), *ROW[4:] ** 1.7], rel=1e-14)
+    scales = np.logspace(-300, 300, 8)
+    sums_and_powers(scales, out)
+    assert out[:4] == pytest.approx(np.cbrt(scales[4:]), rel=1e-14)
+    assert vectors.third_repeated(ROW).tolist() == ROW[[0, 1, 2, 2, 4, 5, 6, 6]].tolist()

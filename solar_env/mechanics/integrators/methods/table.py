@@ -36,12 +36,6 @@ def resume_nothing(model, state, arrays):
 
 
 @kernel
-def cut_nothing(model, state, settings, arrays, h):
-    """Do nothing: steps are not solved again."""
-    return True
-
-
-@kernel
 def adapt_nothing(model, state, settings, arrays, accepted):
     """Do nothing: the method has no choice between steps."""
 
@@ -57,7 +51,8 @@ class Kernels:
         begin: prepares the arrays for a call, fills `motion` and a first step size; False if constraints are singular.
         choose: step to try [s] by accuracy, impacts and the settings, with `remaining` time in the call [s].
         attempt: tries a step from the accepted state, which it leaves; its error in units of the tolerance, negative if
-            constraints are singular. In `trial`, it may name a step to try after a refused one.
+            constraints are singular. In `trial`, it may name a step to try after a refused one. A step that was cut has
+            no error of its own.
         complete: fills what samples and the acceptance need beyond what the attempt left.
         sample: stores a row of the record.
         commit: moves the state to a share of the step and fills depths and their rates in `motion`; False if
@@ -71,7 +66,6 @@ class Kernels:
         note_peaks: raises the force maxima to those inside the step.
         resume: prepares the next step, after the ends of contacts.
         adapt: what the method itself changes once the next step's size is set.
-        cut: solves a step anew that is shorter; False if it cannot be solved.
     """
 
     begin: Callable
@@ -90,7 +84,6 @@ class Kernels:
     note_peaks: Callable = note_no_peaks
     resume: Callable = resume_nothing
     adapt: Callable = adapt_nothing
-    cut: Callable = cut_nothing
 
 
 @dataclass(frozen=True)
@@ -165,7 +158,6 @@ METHODS: dict[str, Method] = {
             control=modal.CONTROL,
             note_peaks=books.note_peaks,
             resume=modal.resume_modal,
-            cut=modal.cut_modal,
         ),
         FLOATING,
     ),
@@ -228,4 +220,3 @@ controller_of = kernel_of(lambda kernels: kernels.control)
 note_peaks_of = kernel_of(lambda kernels: kernels.note_peaks)
 resume_of = kernel_of(lambda kernels: kernels.resume)
 adapt_of = kernel_of(lambda kernels: kernels.adapt)
-cut_of = kernel_of(lambda kernels: kernels.cut)

@@ -49,7 +49,7 @@ def vibration_defect(panels, panel, free, held, d, h, kind, group):
             number, course, rate = panels.first[group] + r, panel.coupling[group, r], 0.0
             for k in range(STAGES):
                 rate += RATE_AT_START[k] * course[k] / h
-            column, held_there = DEFECT_LANES[kind], panels.shapes[d, 0, number] / panels.square[d, number]
+            column, held_there = DEFECT_LANES[kind], panels.shapes[d, 0, number] / panels.frequency[d, number] ** 2
             shortened = free[number, column] * at_start(course) + free[number, COLUMNS + column] * rate
             defect -= held_there * shortened
     return abs(defect)
@@ -58,7 +58,7 @@ def vibration_defect(panels, panel, free, held, d, h, kind, group):
 @kernel
 def deviation(state, work, k):
     """Load at the start of the step less that of the polynomial through its stages there, without sign."""
-    return abs(state.loads[k] - at_start(work.loads[k].stage))
+    return abs(state.course[k, LAST] - at_start(work.loads[k].stage))
 
 
 @kernel
@@ -102,10 +102,10 @@ def step_error(model, state, work, settings, tables, level, h):
 
 
 @kernel
-def move_group(ends, shapes, square, forces, moments, q, v):
+def move_group(ends, shapes, frequency, forces, moments, q, v):
     """Move the amplitudes of a group of modes over the step, by their start and the loads of the ends at the stages.
 
-    Returns the sum of their squared rates by `square` (modes,).
+    Returns the sum of the squares of their rates by `frequency` (modes,).
     """
     by_value, by_rate, rate_by_value, rate_by_rate = ends[0], ends[1], ends[2 + STAGES], ends[3 + STAGES]
     first, second, third = ends[2], ends[3], ends[4]
@@ -123,7 +123,8 @@ def move_group(ends, shapes, square, forces, moments, q, v):
         gained = gained + load4(rate_first, k) * force1 + load4(rate_second, k) * force2 + load4(rate_third, k) * force3
         store4(q, k, moved)
         store4(v, k, gained)
-        sums = sums + load4(square, k) * gained * gained
+        gained = load4(frequency, k) * gained
+        sums = sums + gained * gained
     total = sum_lanes(sums)
     for k in range(whole, q.size):
         value, rate = q[k], v[k]
@@ -133,7 +134,7 @@ def move_group(ends, shapes, square, forces, moments, q, v):
         q[k] = by_value[k] * value + by_rate[k] * rate + first[k] * force1 + second[k] * force2 + third[k] * force3
         moved = rate_by_value[k] * value + rate_by_rate[k] * rate
         v[k] = moved + rate_first[k] * force1 + rate_second[k] * force2 + rate_third[k] * force3
-        total += square[k] * v[k] * v[k]
+        total += (frequency[k] * v[k]) ** 2
     return total
 
 
@@ -143,9 +144,9 @@ def move_panel(panels, panel, ends, d, q, v):
     total = 0.0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
-        values, rates, square = q[begin:end], v[begin:end], panels.square[d, begin:end]
+        values, rates, frequency = q[begin:end], v[begin:end], panels.frequency[d, begin:end]
         load, shapes = panel.load[group], panels.shapes[d, :, begin:end]
-        total += move_group(ends[:, begin:end], shapes, square, load[0], load[1], values, rates)
+        total += move_group(ends[:, begin:end], shapes, frequency, load[0], load[1], values, rates)
         for r in range(panels.coupled[group]):
             before = rates[r]
             for s in range(STAGES):
@@ -154,7 +155,7 @@ def move_panel(panels, panel, ends, d, q, v):
                 rates[r] += ends[4 + STAGES + s, begin + r] * force
             # What strains an axial mode is not the rate of the amplitude but that less foreshortening's.
             strain_rate = panel.strain_rate[group, r] if group >= AXIAL_EVEN else rates[r]
-            total += square[r] * (strain_rate * strain_rate - before * before)
+            total += frequency[r] ** 2 * (strain_rate * strain_rate - before * before)
     return panels.damping[d] * total
 
 
@@ -169,7 +170,7 @@ def note_extremes(model, state, work, v):
             # At one end or the other, the even and the odd part add up.
             ends = work.panels[body.panel].ends
             slope = abs(ends[BENDING_EVEN, 1, LAST]) + abs(ends[BENDING_ODD, 1, LAST])
-            lowest = min(panels.modes[body.design, even].frequency, panels.modes[body.design, odd].frequency)
+            lowest = min(panels.frequency[body.design, even], panels.frequency[body.design, odd])
             extremes[0] = max(extremes[0], slope)
             extremes[1] = max(extremes[1], abs(v[body.offset + 2]) / lowest)
 
@@ -185,7 +186,7 @@ def commit_step(model, state, work, tables, level, h):
             work.q[first + i], work.v[first + i] = frame.place[i, LAST], frame.speed[i, LAST]
         if body.panel != RIGID_BODY:
             panel, begin = work.panels[body.panel], first + 3
-            end = begin + model.panels.modes.shape[1]
+            end = begin + model.panels.frequency.shape[1]
             q, v = work.q[begin:end], work.v[begin:end]
             power = move_panel(model.panels, panel, tables.ends[body.design, level], body.design, q, v)
             # Between the ends of a step its modes may vibrate several times: their damping takes what it does on
@@ -198,10 +199,9 @@ def commit_step(model, state, work, tables, level, h):
 
 @kernel
 def keep_loads(state, work):
-    """Keep the course of the loads over the step, and their values at its end."""
+    """Keep the course of the loads over the step, and what damping takes at its end."""
     for k in range(work.loads.size):
         copy_into(state.course[k], work.loads[k].stage)
-        state.loads[k] = work.loads[k].stage[LAST]
     for p in range(work.panels.size):
         for group in range(GROUPS):
             copy_rows(state.coupling[p, group], work.panels[p].coupling[group])

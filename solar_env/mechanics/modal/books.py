@@ -80,7 +80,7 @@ def note_peaks(model, state, work, h, share):
     for j in range(model.joints.size):
         joint_state, force = state.joints[j], force_of(model, j)
         if joint_state.in_contact:
-            start, stage = state.loads[force], work.loads[force].stage
+            start, stage = state.course[force, LAST], work.loads[force].stage
             peak, top = start, -1
             for s in range(STAGES):
                 if stage[s] > peak:
@@ -104,7 +104,7 @@ def panel_energies(model, body, q, v, work, energies):
             stretch, r = q[first + k], k - panels.first[group]
             if group >= AXIAL_EVEN and r < panels.coupled[group]:
                 stretch -= panel.shortening[axial_form(group, r), 0]
-            energies[m.ELASTIC] += 0.5 * (panels.modes[d, k].frequency * stretch) ** 2
+            energies[m.ELASTIC] += 0.5 * (panels.frequency[d, k] * stretch) ** 2
             energies[m.KINETIC] += 0.5 * v[first + k] ** 2
 
 

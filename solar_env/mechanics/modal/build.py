@@ -42,7 +42,6 @@ from solar_env.mechanics.modal.tables import (
     Panels,
     Tables,
     filled_tables,
-    mode_type,
 )
 
 # Of pseudo-modes that stand for the modes that are left out, see `beam_modes`.
@@ -95,21 +94,18 @@ def _panel_constants(chosen: _Design) -> Panels:
         values = len(family.rows) // 2
         even = family.rows[0] * family.rows[values] > 0.0
         for group in (even, ~even):
-            rows.append(np.pad(family.rows[:values, group].T, ((0, 0), (0, VALUES - values))))
+            rows.append(np.pad(family.rows[:values, group], ((0, VALUES - values), (0, 0))))
             frequencies.append(family.frequencies[group])
-    constants = np.zeros((1, sum(map(len, rows))), mode_type)
-    constants["frequency"], constants["row"] = np.concatenate(frequencies), np.concatenate(rows)
     return Panels(
-        first=np.cumsum([0, *map(len, rows)]),
+        first=np.cumsum([0, *map(len, frequencies)]),
         kept=np.array(_halves(modes)),
         # The lowest bending mode is even, the lowest axial mode odd.
         coupled=np.array([*_halves(coupled), *reversed(_halves(coupled_axial))]),
         damping=np.array([damping]),
         exact=RESOLVED,
-        modes=constants,
+        frequency=np.concatenate(frequencies)[None],
         forms=_packed_forms(*quadratic_forms(length, mass, coupled, coupled_axial), coupled)[None],
-        shapes=np.ascontiguousarray(np.moveaxis(constants["row"], -1, 1)),
-        square=constants["frequency"] ** 2,
+        shapes=np.concatenate(rows, axis=1)[None],
     )
 
 
@@ -122,7 +118,7 @@ def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, 
     parts = [_panel_constants(chosen) for chosen in designs]
     joined = {
         name: np.concatenate([getattr(part, name) for part in parts])
-        for name in ("damping", "modes", "forms", "shapes", "square")
+        for name in ("damping", "frequency", "forms", "shapes")
     }
     panels = parts[0]._replace(exact=exact, **joined)
     return panels, filled_tables(panels)
@@ -195,7 +191,6 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     state = ModalState(
         q=q,
         v=v,
-        loads=np.zeros(loads),
         course=np.zeros((loads, STAGES)),
         coupling=np.zeros((len(flexible), GROUPS, LOW, LANES)),
         damping_power=np.zeros(len(flexible)),

@@ -77,11 +77,11 @@ def add_modal_forces(panels, panel, forced, d):
     """Add what the modal forces of foreshortening do to the ends of a panel."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
-            mode, by_load, gain = panels.modes[d, panels.first[group] + r], forced[group, r], splat8(0.0)
-            for k in range(STAGES):
-                gain = gain + load8(by_load, COLUMNS * k) * panel.coupling[group, r, k]
+            k, by_load, gain = panels.first[group] + r, forced[group, r], splat8(0.0)
+            for s in range(STAGES):
+                gain = gain + load8(by_load, COLUMNS * s) * panel.coupling[group, r, s]
             for i in range(values_of(group)):
-                store8(panel.ends[group, i], 0, load8(panel.ends[group, i], 0) + mode.row[i] * gain)
+                store8(panel.ends[group, i], 0, load8(panel.ends[group, i], 0) + panels.shapes[d, i, k] * gain)
 
 
 @kernel
@@ -139,24 +139,21 @@ def sum_ends(panels, panel, d, q, v):
     """Motion of the ends of a panel in a pose, without foreshortening."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
-        modes, values, rates = panels.modes[d, begin:end], q[begin:end], v[begin:end]
-        w, w_rate, s, s_rate = 0.0, 0.0, 0.0, 0.0
-        for k in range(values.size):
-            first, second = modes[k].row[0], modes[k].row[1]
-            w += first * values[k]
-            w_rate += first * rates[k]
-            s += second * values[k]
-            s_rate += second * rates[k]
-        store8(panel.ends[group, 0], 0, in_all_lanes(w, w_rate))
-        store8(panel.ends[group, 1], 0, in_all_lanes(s, s_rate))
+        values, rates = q[begin:end], v[begin:end]
+        for i in range(VALUES):
+            shape, value, rate = panels.shapes[d, i, begin:end], 0.0, 0.0
+            for k in range(values.size):
+                value += shape[k] * values[k]
+                rate += shape[k] * rates[k]
+            store8(panel.ends[group, i], 0, in_all_lanes(value, rate))
 
 
 @kernel
-def take_rest(panel, mode, group, coupled, moved):
-    """Take the motion of a coupled mode out of the rest of the end values."""
+def take_rest(panels, panel, d, group, r, moved):
+    """Take the motion of a coupled mode of a group out of the rest of the end values."""
     for i in range(VALUES):
-        rest = panel.low[group, coupled + i]
-        store8(rest, 0, load8(rest, 0) - mode.row[i] * moved)
+        rest = panel.low[group, panels.coupled[group] + i]
+        store8(rest, 0, load8(rest, 0) - panels.shapes[d, i, panels.first[group] + r] * moved)
 
 
 @kernel
@@ -170,7 +167,7 @@ def shorten_pose(panels, panel, d, q, v):
             k = panels.first[group] + r
             moved = in_all_lanes(q[k], v[k])
             store8(panel.low[group, r], 0, moved)
-            take_rest(panel, panels.modes[d, k], group, coupled, moved)
+            take_rest(panels, panel, d, group, r, moved)
     foreshorten(panels.forms[d], panel)
     shorten_ends(panel)
 
@@ -183,18 +180,18 @@ def move_low(panels, panel, forced, d, group):
         for i in range(VALUES):
             store8(panel.low[group, coupled + i], 0, load8(panel.ends[group, i], 0))
     for r in range(coupled):
-        mode = panels.modes[d, panels.first[group] + r]
+        number = panels.first[group] + r
         moved, pushed = load8(panel.low_free[group, r], 0), splat8(0.0)
         for k in range(STAGES):
             gain = load8(forced[group, r], COLUMNS * k)
-            force = mode.row[0] * panel.load[group, 0, k]
+            force = panels.shapes[d, 0, number] * panel.load[group, 0, k]
             if bending:
-                force += mode.row[1] * panel.load[group, 1, k]
+                force += panels.shapes[d, 1, number] * panel.load[group, 1, k]
             moved = moved + gain * force
             pushed = pushed + gain * panel.coupling[group, r, k]
         if bending:
             # The ends have moved by the loads, not yet by the modal forces.
-            take_rest(panel, mode, group, coupled, moved)
+            take_rest(panels, panel, d, group, r, moved)
         store8(panel.low[group, r], 0, moved + pushed)
 
 
@@ -209,7 +206,7 @@ def push_axial(panels, panel, d):
     """Modal forces of foreshortening on the axial modes of a panel."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
-            frequency = panels.modes[d, panels.first[group] + r].frequency
+            frequency = panels.frequency[d, panels.first[group] + r]
             shortening = load8(panel.shortening[axial_form(group, r)], 0)
             strain = lower_half(shortening) + panels.damping[d] * upper_half(shortening)
             store4(panel.coupling[group, r], 0, frequency * frequency * strain)
@@ -224,7 +221,7 @@ def push_bending(panels, panel, d):
     store4(panel.tension[ODD_ENDS], 0, load4(panel.load[AXIAL_ODD, 0], 0))
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
-            frequency, f = panels.modes[d, panels.first[group] + r].frequency, axial_form(group, r)
+            frequency, f = panels.frequency[d, panels.first[group] + r], axial_form(group, r)
             moved = load8(panel.low[group, r], 0)
             panel.strain_rate[group, r] = panel.low[group, r, END_RATE] - panel.shortening[f, END_RATE]
             force = frequency * frequency * (lower_half(moved) + panels.damping[d] * upper_half(moved))
@@ -240,10 +237,10 @@ def push_bending(panels, panel, d):
                 store4(load, 0, load4(load, 0) + force - load4(before, 0))
             store4(before, 0, force)
         for r in range(coupled):
-            taken, mode = panel.coupling[group, r], panels.modes[d, panels.first[group] + r]
+            taken, number = panel.coupling[group, r], panels.first[group] + r
             force = load4(taken, 0)
             for i in range(VALUES):
-                force = force - mode.row[i] * load4(panel.coupling[group, coupled + i], 0)
+                force = force - panels.shapes[d, i, number] * load4(panel.coupling[group, coupled + i], 0)
             store4(taken, 0, force)
 
 

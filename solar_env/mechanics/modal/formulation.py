@@ -62,7 +62,7 @@ class FloatingFrames(Formulation):
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
         """Evaluate the table of loads with those at the end of the last step."""
         work = present_motion(model, state)
-        fill_load_table(model, state, work, state.loads, work.sample)
+        fill_load_table(model, state, work, state.course[:, LAST], work.sample)
         return work.sample
 
     def stored_energies(self, model: ModalModel, state: ModalState) -> Array:
@@ -104,7 +104,7 @@ class FloatingFrames(Formulation):
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Return no defect, for every step solves for the reactions, and the greatest reaction [N]."""
-        return 0.0, float(np.abs(state.loads[-2 * len(model.joints) :]).max(initial=0.0))
+        return 0.0, float(np.abs(state.course[-2 * len(model.joints) :, LAST]).max(initial=0.0))
 
 
 def present_motion(model: ModalModel, state: ModalState) -> Workspace:
@@ -124,7 +124,7 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
 
     def beyond(group: int, lowest: int) -> Array:
         """Values of the first end by all modes of a group but the lowest ones."""
-        return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.rows[d, parts[group]][lowest:])
+        return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.shapes[d, :, parts[group]].T[lowest:])
 
     low = [
         np.concatenate([amplitudes[..., parts[g]][..., :k], beyond(g, k)], axis=-1)

@@ -66,7 +66,6 @@ def convert_settings(chosen: Any) -> ModalSettings:
 @kernel
 def set_load(state, k, load):
     """Set a load, and its course, on from the present state."""
-    state.loads[k] = load
     for s in range(STAGES):
         state.course[k, s] = load
 
@@ -102,7 +101,7 @@ def begin_modal(model, state, settings, work):
     start_at_state(state, work)
     for k in range(work.loads.size):
         for s in range(STAGES):
-            work.loads[k].stage[s] = state.loads[k]
+            work.loads[k].stage[s] = state.course[k, LAST]
     take_motion(model, state, work)
     if clock.step_size <= 0.0:
         clock.step_size = _FIRST_STEP
@@ -202,7 +201,7 @@ def commit_modal(model, state, settings, work, h, share):
 def evaluate_modal(model, state, work, changed):
     """Fill the forces of the joints at the accepted state."""
     for j in range(model.joints.size):
-        first, second = state.loads[force_of(model, j)], state.loads[force_of(model, j) + 1]
+        first, second = state.course[force_of(model, j), LAST], state.course[force_of(model, j) + 1, LAST]
         ideal = model.joints[j].kind == IDEAL
         work.motion[j].force = math.sqrt(first * first + second * second) if ideal else first
     return True
@@ -236,7 +235,7 @@ def instantaneous_inverse_mass(model, state, j):
             for group in range(GROUPS):
                 share = across if group < AXIAL_EVEN else along
                 for k in range(model.panels.first[group], model.panels.first[group + 1]):
-                    total += (model.panels.modes[body.design, k].row[0] * share) ** 2
+                    total += (model.panels.shapes[body.design, 0, k] * share) ** 2
     return total
 
 

@@ -220,7 +220,7 @@ def set_tolerances(state, work, settings, h, n):
             least = _LEAST_DEPTH / _HERTZ * joint_state.impact_speed * joint_state.contact_duration
             depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], least)
             # A load that is off moves a stiff contact's depth by no more than its share.
-            share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.loads[work.unknowns[r].number])
+            share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.course[work.unknowns[r].number, LAST])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
             load.tolerance = min(load.tolerance, from_depth)
@@ -306,7 +306,7 @@ def solve_step(model, state, work, settings, tables, level, h):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:
             panel, first = work.panels[body.panel], body.offset + 3
-            last = first + model.panels.modes.shape[1]
+            last = first + model.panels.frequency.shape[1]
             free_ends(model.panels, panel, tables, body.design, level, state.q[first:last], state.v[first:last])
     work.step[0].velocity_tolerance = velocity_tolerance(model, state, settings)
     foresee(state, work, h)

@@ -95,13 +95,6 @@ LOW = 4
 ODD_FIRST, ODD_SECOND, ODD_ENDS, EVEN_FIRST, EVEN_ENDS = range(5)
 FORMS = 5
 
-mode_type = record(
-    [
-        ("frequency", np.float64),  # [rad/s]
-        ("row", np.float64, VALUES),  # values of the first end by unit amplitude, see `beam_modes`
-    ]
-)
-
 # How a mode answers a step of one size.
 answer_type = record(
     [
@@ -156,22 +149,11 @@ class Panels(NamedTuple):
     coupled: NDArray[np.int64]  # (GROUPS,) number of lowest modes that foreshortening couples
     damping: Array  # (D,) retardation time [s]
     exact: float  # omega h up to which a damped mode is exact
-    modes: NDArray[np.void]  # (D, modes) rows of `mode_type`
+    frequency: Array  # (D, modes) natural frequencies [rad/s]
     # (D, 2, LOW, LOW, FORMS) by coordinate of a bending group and of its partner: the same group for the odd forms, the
     # other one for the even forms.
     forms: Array
-    shapes: Array  # (D, VALUES, modes) values of the first end by unit amplitude, as in the records
-    square: Array  # (D, modes) squared frequencies [1/s2]
-
-    @property
-    def frequency(self) -> Array:
-        """(D, modes) natural frequencies [rad/s]."""
-        return np.asarray(self.modes["frequency"])
-
-    @property
-    def rows(self) -> Array:
-        """(D, modes, VALUES) values of the first end by unit amplitude."""
-        return np.asarray(self.modes["row"])
+    shapes: Array  # (D, VALUES, modes) values of the first end by unit amplitude, see `beam_modes`
 
 
 class Tables(NamedTuple):
@@ -186,7 +168,7 @@ class Tables(NamedTuple):
 
 def make_tables(panels: Panels, levels: int) -> Tables:
     """Allocate tables."""
-    designs, modes = panels.modes.shape
+    designs, modes = panels.frequency.shape
     shape = (designs, levels)
     return Tables(
         answers=np.zeros(1, answer_type),
@@ -334,17 +316,17 @@ def side(end):
 
 
 @kernel
-def add_mode(mode, answer, group, responses):
-    """Add what a mode of a group does to the responses of a step size."""
+def add_mode(shapes, frequency, answer, group, k, responses):
+    """Add what mode `k` of a group does to the responses of a step size."""
     for i in range(values_of(group)):
         for j in range(values_of(group)):
-            product, row = mode.row[i] * mode.row[j], responses.response[group, i, j]
-            for k in range(STAGES):
-                moved = load8(answer.coefficient, FROM_LOAD + COLUMNS * k)
-                store8(row, COLUMNS * k, load8(row, COLUMNS * k) + product * moved)
+            product, row = shapes[i, k] * shapes[j, k], responses.response[group, i, j]
+            for stage in range(STAGES):
+                moved = load8(answer.coefficient, FROM_LOAD + COLUMNS * stage)
+                store8(row, COLUMNS * stage, load8(row, COLUMNS * stage) + product * moved)
         for kind in range(DEFECTS):
-            held = answer.defect[2 * kind] * mode.row[0] / (mode.frequency * mode.frequency)
-            responses.held[kind, group, i] -= held * mode.row[i]
+            held = answer.defect[2 * kind] * shapes[0, k] / (frequency * frequency)
+            responses.held[kind, group, i] -= held * shapes[i, k]
     responses.unresolved += answer.defect[0] != 0.0
 
 
@@ -377,14 +359,13 @@ def fill_level(panels, tables, level, h):
                     for c in range(BY_LOAD):
                         responses.response[group, i, j, c] = 0.0
             for k in range(panels.first[group], panels.first[group + 1]):
-                mode, r = panels.modes[d, k], k - panels.first[group]
-                rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
-                fill_answer(mode.frequency, rate, panels.exact, h, answer)
+                frequency, r = panels.frequency[d, k], k - panels.first[group]
+                fill_answer(frequency, 0.5 * panels.damping[d] * frequency * frequency, panels.exact, h, answer)
                 keep_answer(tables, d, level, k, answer)
                 if r < panels.coupled[group]:
                     for c in range(BY_LOAD):
                         tables.forced[d, level, group, r, c] = answer.coefficient[FROM_LOAD + c]
-                add_mode(mode, answer, group, responses)
+                add_mode(panels.shapes[d], frequency, answer, group, k, responses)
 
 
 @kernel

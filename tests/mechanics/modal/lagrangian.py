@@ -43,7 +43,7 @@ class Lagrangian:
         groups = [q[first + group.start : first + group.stop] for group in self.groups]
         low = np.empty((coupled[0] + coupled[1], *q.shape[1:]), q.dtype)
         low[::2], low[1::2] = groups[0][: coupled[0]], groups[1][: coupled[1]]
-        rows = self.model.panels.rows[body["design"]]
+        rows = self.model.panels.shapes[body["design"]].T
         rest = [
             rows[part][count:].T @ group[count:]
             for part, group, count in zip(self.groups[:2], groups[:2], coupled[:2], strict=True)
@@ -60,7 +60,7 @@ class Lagrangian:
         x, y, turn = attachment["x"] + 0.0 * q[0], attachment["y"] + 0.0 * q[0], 0.0 * q[0]
         if body["panel"] >= 0:
             groups, (_, ends) = self.amplitudes(q, body)
-            values = [model.panels.rows[d, part].T @ group for part, group in zip(self.groups, groups, strict=True)]
+            values = [model.panels.shapes[d, :, part] @ group for part, group in zip(self.groups, groups, strict=True)]
             x = x + values[2][0] + sign * values[3][0] + ends[attachment["end"]]
             y = y + values[0][0] + sign * values[1][0]
             turn = sign * values[0][1] + values[1][1]

@@ -74,15 +74,18 @@ class Validation(EvalCallback):
         every: Steps of an environment between two validations.
         episodes: Of a validation.
         config: Of the run.
+        console: Where every validation leaves a line.
     """
 
     _COUNTERS = ("n_calls", "best_mean_reward", "last_mean_reward")
     _LISTS = ("evaluations_timesteps", "evaluations_results", "evaluations_length")
 
-    def __init__(self, env: VecEnv, folder: Path, every: int, episodes: int, config: Configuration) -> None:
+    def __init__(
+        self, env: VecEnv, folder: Path, every: int, episodes: int, config: Configuration, console: Console
+    ) -> None:
         keep = Call(lambda model: shipped.write_policy(folder, policy_of(model, config)))
         super().__init__(env, keep, None, episodes, every, None, verbose=0)
-        self._log = folder / runs.EVALUATIONS
+        self._log, self._console = folder / runs.EVALUATIONS, console
 
     def _on_training_start(self) -> None:
         if not self.evaluations_timesteps:
@@ -105,6 +108,8 @@ class Validation(EvalCallback):
         goes_on = super()._on_step()
         if table.getvalue():
             write_bytes(self._log, table.getvalue())
+            told = f"step {self.num_timesteps}: return {self.last_mean_reward:.4g} in validation"
+            self._console.print(told, highlight=False)
         return goes_on
 
     @property
@@ -127,7 +132,7 @@ class Training:
     folder: Path  # existing, without a run
     resume: str | Path | None = None  # folder of the run to go on from; may be the same
     command: str = ""  # command line to record
-    progress: bool = True  # show a progress bar
+    progress: bool = True  # show a progress bar, and a line after every validation
     threads: int | None = None  # greatest number that steps environments; None: one per processor
     checkpoint_interval: int = CHECKPOINT_INTERVAL  # environment steps
 
@@ -157,14 +162,15 @@ def train(training: Training) -> None:
     validations = VALIDATIONS_OF_WEIGHTS if config.algo in runs.SEARCHES else VALIDATIONS
     interval = max(config.timesteps // validations, min(config.timesteps, SHORTEST_VALIDATION_INTERVAL))
     every = max(interval // config.n_envs, 1)
+    console = Console(stderr=True, quiet=not training.progress)
     with closing(model.env), closing(model.logger), closing(make_validation_env(config, threads)) as validation_env:
-        validation = Validation(validation_env, folder, every, VALIDATION_EPISODES, config)
+        validation = Validation(validation_env, folder, every, VALIDATION_EPISODES, config, console)
         saving = checkpoints.Checkpoints(folder, training.checkpoint_interval, validation, begun)
         if begun:
             validation.history = begun["history"]
             for name, content in begun["policy"].items():
                 write_bytes(folder / name, content)
-        with keeping(saving.kept), counting_bar(Console(stderr=True, quiet=not training.progress)) as bar:
+        with keeping(saving.kept), counting_bar(console) as bar:
             task = bar.add_task("steps", total=config.timesteps, completed=config.timesteps - left)
             shown = Call(lambda model: bar.advance(task, model.n_envs))
             model.learn(left, CallbackList([validation, shown, saving]), reset_num_timesteps=not begun)

@@ -114,7 +114,7 @@ def compilation_note(integrators: Iterable[str]) -> str:
 def announce_compilation(integrator: str) -> None:
     """Say on standard error, once a process, that kernels are going to be compiled."""
     if not kernels_are_compiled(integrator):
-        told = f"solar_env compiles the kernels of {integrator}: minutes, this time alone; later runs load them"
+        told = f"solar_env compiles the kernels of {integrator}: about two minutes, this once; later runs load them"
         print(told, file=sys.stderr, flush=True)
 
 

@@ -37,7 +37,7 @@ def test_the_first_episode_says_that_it_compiles_and_remembers_it(lanes, nothing
         env.close()
         compilation.announce_compilation.cache_clear()
     assert (nothing_compiled / "runge-kutta").exists()
-    assert said[0].count("solar_env compiles the kernels of runge-kutta: minutes") == 1
+    assert said[0].count("solar_env compiles the kernels of runge-kutta: about two minutes") == 1
     assert said[1] == ""
 
 

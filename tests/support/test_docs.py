@@ -17,6 +17,8 @@ MARKDOWN = ("commands", "pictures", "studies", "support", "verification")
 @pytest.mark.docs
 def test_the_pages_of_both_packages_build_without_warnings(tmp_path):
     pytest.importorskip("pdoc")
+    from matplotlib import font_manager  # noqa: F401 (asks a program for the fonts, once; pdoc would not let it)
+
     command = [sys.executable, "-m", "pdoc", "--output-directory", str(tmp_path), "solar_env", "agents"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -153,10 +153,14 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "flexible-initial-2", "flexible panels: initial impacts of joint 2 end, within 25 %", "1.34 s", FLEXIBLE,
         partial(measures.settled, joint=1), *within(1.34, 0.25), "s",
+        why="by chance joint 2 rests from 0.90 s, or one bounce later from 1.08 s, and the interval begins between; of "
+        "192 runs 40 % agree, 49 % at a tenth of the tolerance",
     ),
     Claim(
         "longer", "flexible panels: the initial phase lasts longer than with rigid ones (ratio, both joints)",
         "above 1", FLEXIBLE_OVER_RIGID, over_joints(min, measures.settled), *above(1.0),
+        why="by chance joint 2 rests from 0.90 s, or one bounce later from 1.08 s, with rigid panels from 0.94 s; of "
+        "192 runs 39 % agree, 43 % at a tenth of the tolerance",
     ),
     Claim(
         "impacts-later", "flexible panels: impacts during the deployment too", "some", FLEXIBLE,
@@ -236,7 +240,6 @@ CLAIMS: tuple[Claim, ...] = (
         "above 1", MODELS_1_2,
         lambda one, two: min(large_over_small(measures.impacts, joint)(two, one) for joint in JOINTS),
         *above(1.0), open_parameters=_OPEN_SIZES,
-        why="the same joint has as many impacts with either clearance",
     ),
     *(
         Claim(

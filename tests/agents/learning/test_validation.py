@@ -28,9 +28,11 @@ def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_tha
         assert (second / name).read_bytes() == (first / name).read_bytes()
 
 
-def test_a_training_ends_with_a_validation_wherever_the_one_before_was(tmp_path, monkeypatch):
+def test_a_training_ends_with_a_validation_wherever_the_one_before_was_and_says_so(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(learn, "VALIDATION_EPISODES", 1)
     monkeypatch.setattr(learn, "SHORTEST_VALIDATION_INTERVAL", 70)
-    learn.train(learn.Training(configuration(), tmp_path, progress=False, threads=1))
+    learn.train(learn.Training(configuration(), tmp_path, threads=1))
     with np.load(tmp_path / "evaluations.npz") as history:
         assert history["timesteps"].tolist() == [0, 70, 100]
+    told = [line for line in capsys.readouterr().err.splitlines() if "in validation" in line]
+    assert [line.split(":")[0] for line in told] == ["step 0", "step 70", "step 100"]

@@ -203,15 +203,15 @@ class Simulation:
         models, states, scratch = self._lane
         if self.integrator.name not in scratch:
             scratch[self.integrator.name] = method.arrays(self.model, self.state)
-        queue, counter, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.full(1, m.TOO_MANY_STEPS)
+        queue, counter, steps_left = (np.zeros(1, np.int64) for _ in range(3))
+        status = np.full(1, m.TOO_MANY_STEPS)
         settings, end_times = method.convert(self.integrator), np.array([end_time], np.float64)
         arrays, clock = scratch[self.integrator.name], self.state.clock[0]
         left = self.integrator.max_steps if most_steps is None else most_steps
         while status[0] == m.TOO_MANY_STEPS and left > 0:
             allowed, counter[0] = min(STEPS_PER_CALL, left), 0
-            chunk = settings._replace(max_steps=allowed)
-            advance_lanes(models, states, chunk, recorder, queue, counter, end_times, status, arrays)
-            left -= allowed
+            steps_left[0], left = allowed, left - allowed
+            advance_lanes(models, states, settings, recorder, arrays, queue, counter, steps_left, status, end_times)
         if status[0] == m.TOO_MANY_STEPS:
             clock["failure_joint"], clock["failure_value"] = -1, self.integrator.max_steps
         return int(status[0])

@@ -117,9 +117,7 @@ class Episodes:
         self.terminated[lanes] = False
         for values in (self.terms, self.rewards, self._periods.accounts, self._periods.loop_torques):
             values[lanes] = 0.0
-        observe_lanes(
-            self._batch.models, self._batch.states, self._numbers, self._sensors.channels, lanes, self._sensors.exact
-        )
+        observe_lanes(*self._batch.handles, self._numbers, self._sensors.channels, lanes, self._sensors.exact)
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:

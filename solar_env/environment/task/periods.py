@@ -1,6 +1,6 @@
 """A control period, lane by lane; a single environment is a batch of one lane.
 
-Below, `models` and `states` are arrays of all lanes, `task` is TaskNumbers, and `periods` is Periods.
+Below, `models` and `states` are handles of the arrays of all lanes, `task` is TaskNumbers, and `periods` is Periods.
 """
 
 import math
@@ -18,6 +18,7 @@ from solar_env.mechanics.arrays.lanes import lane_view, take_ticket
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.numerics.by_address import call_at
+from solar_env.mechanics.numerics.handles import arrays_of
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -144,7 +145,7 @@ def hold_lanes(
         if ticket >= queue.size:
             break
         lane = queue[ticket]
-        model, state = lane_view(models, lane), lane_view(states, lane)
+        model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
         # With too few steps left, the last call ended within a sample.
         if statuses[lane] != m.TOO_MANY_STEPS:
             begin_period(state, task, periods, lane)
@@ -167,4 +168,5 @@ def hold_lanes(
 def observe_lanes(models, states, task, channels, lanes, observations):
     """Write the observation of the present state, `observations` (lanes, measured) float32."""
     for lane in lanes:
-        observe(lane_view(models, lane), lane_view(states, lane), task, channels, observations[lane])
+        model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
+        observe(model, state, task, channels, observations[lane])

@@ -38,6 +38,7 @@ from solar_env.mechanics.integrators.methods.table import (
     resume_of,
     sample_of,
 )
+from solar_env.mechanics.numerics.handles import arrays_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.step_size import growth, shortened
 from solar_env.mechanics.records.history import (
@@ -255,10 +256,10 @@ def advance_lanes(models, states, settings, recorder, arrays, queue, counter, st
     """Advance lanes one after the other, next to other threads that do the same.
 
     Args:
-        models, states: of all lanes (`lanes.py`).
+        models, states: handles of those of all lanes (`lanes.py`).
         settings: of the method as the kernels take them; their type chooses the method.
         recorder: takes samples and contacts of every lane.
-        arrays: the thread's scratch arrays.
+        arrays: handle of the thread's scratch arrays.
         queue: (k,) indices of the lanes to advance, in this order.
         counter: (1,) number of lanes in the queue that some thread has begun with.
         steps_left: (lanes,) number of steps that each may still take, tried ones included; brought up to date.
@@ -270,6 +271,6 @@ def advance_lanes(models, states, settings, recorder, arrays, queue, counter, st
         if ticket >= queue.size:
             break
         lane = queue[ticket]
-        model, state = lane_view(models, lane), lane_view(states, lane)
-        status, left = advance(model, state, settings, recorder, end_times[lane], steps_left[lane], arrays)
+        model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
+        status, left = advance(model, state, settings, recorder, end_times[lane], steps_left[lane], arrays_of(arrays))
         statuses[lane], steps_left[lane] = status, left

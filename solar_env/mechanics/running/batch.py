@@ -17,6 +17,7 @@ from solar_env.mechanics.arrays.lanes import allocate_lanes, check_structure, co
 from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.numerics.by_address import address_of
+from solar_env.mechanics.numerics.handles import Handle
 from solar_env.mechanics.records.recording import Recorder, make_recorder
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import STEPS_BETWEEN_LOOKS, STEPS_PER_CALL, Simulation
@@ -36,6 +37,7 @@ class Batch:
     Attributes:
         simulations: by lane; they can be read, saved, restored and advanced singly too.
         models, states: arrays of all lanes (`lanes.py`).
+        handles: of these two.
         threads: most threads that advance lanes at the same time.
     """
 
@@ -61,10 +63,11 @@ class Batch:
         self.threads = min(available, count)
         self.integrator = first.integrator
         self.models, self.states = allocate_lanes(first.model, count), allocate_lanes(first.state, count)
+        self.handles = Handle(self.models), Handle(self.states)
         method = method_of(first.integrator)
         self._settings = method.convert(first.integrator)
         self._recorder = make_recorder(first.model, first.state, np.zeros(0), 0)
-        self._arrays = [method.arrays(first.model, first.state) for _ in range(self.threads)]
+        self._arrays = [Handle(method.arrays(first.model, first.state)) for _ in range(self.threads)]
         self._counter = np.zeros(1, dtype=np.int64)
         self._statuses, self._steps_left = (np.zeros(count, dtype=np.int64) for _ in range(2))
         self._steps, self._last_steps, self._steps_looked = (np.zeros(count, dtype=np.int64) for _ in range(3))
@@ -194,8 +197,7 @@ class Batch:
     def _arguments(self, thread: int, queue: NDArray[np.int64]) -> tuple[Any, ...]:
         """Arguments of `advance_lanes` up to the statuses."""
         return (
-            self.models,
-            self.states,
+            *self.handles,
             self._settings,
             self._recorder,
             self._arrays[thread],

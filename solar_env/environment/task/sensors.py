@@ -64,10 +64,7 @@ class Sensors:
         self._rate_noise = hardware.rate_noise
 
     def draw_rate_errors(self, lanes: NDArray[np.int64], errors: NDArray[np.float64]) -> None:
-        """Draw the errors (all lanes, samples, motors) of the rates that the drives measure in some lanes (k,) [rad/s].
-
-        Those of later samples are drawn later.
-        """
+        """Draw errors (all lanes, samples, motors) of the rates [rad/s] that the loops in some lanes (k,) measure."""
         if self._rate_noise > 0.0:
             for lane in lanes:
                 errors[lane] = self._rate_noise * self._generators[lane].standard_normal(errors.shape[1:])

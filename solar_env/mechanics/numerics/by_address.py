@@ -1,10 +1,10 @@
-"""Calls of a compiled kernel by its address: a kernel that calls a long one in this way does not compile it again."""
+"""Calls of a compiled kernel by its address, so that a kernel which calls a long one does not compile it again."""
 
 from typing import Any
 
 import numba
 from llvmlite import ir
-from numba import types, typeof
+from numba import typeof, types
 from numba.core import cgutils
 from numba.core.errors import TypingError
 from numba.core.typing.templates import Signature
@@ -12,9 +12,9 @@ from numba.extending import intrinsic, overload
 
 
 def address_of(kernel: Any, *arguments: Any) -> int:
-    """Address of the code that Python runs when it calls a kernel with arguments of these types; 0 uncompiled.
+    """Address of the code that a call from Python with arguments of these types runs, in this process; 0 uncompiled.
 
-    It holds in this process alone, where it compiles the code or loads it.
+    The code is compiled, or loaded, if it is not there yet.
     """
     if numba.config.DISABLE_JIT:
         return 0
@@ -25,7 +25,7 @@ def address_of(kernel: Any, *arguments: Any) -> int:
 
 
 def call_at(address: int, kernel: Any, *arguments: Any) -> Any:
-    """Call a kernel, in kernels at its `address_of` arguments of the same types."""
+    """Call a kernel at its `address_of` arguments of the same types; from Python, call it."""
     return kernel(*arguments)
 
 
@@ -39,7 +39,7 @@ def _call(typing_context: Any, address: Any, kernel: Any, arguments: Any) -> tup
     kinds = tuple(arguments.types)
     found = kernel.dispatcher.from_python.overloads.get(kinds)
     if found is None:
-        raise TypingError(f"no address was asked for of {kernel.dispatcher.py_func.__name__} with {kinds}")
+        raise TypingError(f"{kernel.dispatcher.py_func.__name__} has no address for arguments of the types {kinds}")
     returned = found.signature.return_type
 
     def generate(context: Any, builder: ir.IRBuilder, signature: Signature, values: Any) -> ir.Value:

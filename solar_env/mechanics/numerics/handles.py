@@ -1,46 +1,61 @@
-"""Handles: named tuples of arrays that cross from Python to a kernel as one address.
+"""Named tuples of arrays that a kernel takes from Python as one address.
 
-Python hands over array after array: those of a mechanism take as long as some tens of steps, and the code that takes
-them seconds to compile.
+Of other arguments Numba unpacks array after array. For those of a mechanism that takes as long as some steps in every
+call, and the code that does it takes seconds to compile.
 """
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import types, typeof
+from numba import typeof, types
 from numba.core.datamodel import models
 from numba.core.typing.templates import Signature
 from numba.extending import NativeValue, intrinsic, overload, register_model, unbox
 
 
 class Handle:
-    """A named tuple of arrays, and of numbers and such tuples, for `arrays_of` in kernels.
+    """A named tuple of arrays, of numbers and of such tuples, as kernels take it; they look into it by `arrays_of`.
 
     Attributes:
         arrays: the named tuple.
-        address: of what the compiler knows of it.
+        address: of its description in memory.
     """
 
     def __init__(self, arrays: Any) -> None:
         self.arrays = arrays
         self._words = np.array(list(_words(arrays)), dtype=np.int64)
         self.address = self._words.ctypes.data
-        self._numba_type_ = _HandleType(typeof(arrays))
+        self._numba_type_ = _HandleType(_kind(arrays))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """For copies, whose arrays lie elsewhere."""
+        """For copies and pickles, whose arrays lie elsewhere."""
         return Handle, (self.arrays,)
 
 
+def _kind(entry: Any) -> types.Type:
+    """Numba's type of a named tuple; `typeof` would look at every array for long."""
+    if isinstance(entry, tuple):
+        return types.BaseTuple.from_types(tuple(map(_kind, entry)), type(entry))
+    usual = isinstance(entry, np.ndarray) and entry.flags.carray
+    return _kind_of_array(entry.dtype, entry.ndim) if usual else typeof(entry)
+
+
+@cache
+def _kind_of_array(dtype: np.dtype[Any], dimensions: int) -> types.Type:
+    return typeof(np.empty((1,) * dimensions, dtype))
+
+
 def _words(entry: Any) -> Iterator[int]:
-    """The members of Numba's structure of a named tuple, of an array without owner or of a number, 8 bytes each."""
+    """The members of Numba's structure of an entry, 8 bytes each; an array has no owner there."""
     if isinstance(entry, tuple):
         for part in entry:
             yield from _words(part)
     elif isinstance(entry, np.ndarray):
-        yield from (0, 0, entry.size, entry.itemsize, entry.ctypes.data, *entry.shape, *entry.strides)
+        address = entry.__array_interface__["data"][0]
+        yield from (0, 0, entry.size, entry.itemsize, address, *entry.shape, *entry.strides)
     else:
         yield int(np.array(entry, dtype=type(entry)).view(np.int64))
 

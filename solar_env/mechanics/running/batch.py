@@ -78,7 +78,7 @@ class Batch:
             self.replace(lane, simulation)
 
     def __getstate__(self) -> dict[str, object]:
-        """For copies and pickles: threads and what holds in one process alone stay behind."""
+        """For copies and pickles: threads and the address in this process stay behind."""
         return {name: value for name, value in vars(self).items() if name not in ("_threads", "address")}
 
     def __setstate__(self, values: dict[str, object]) -> None:
@@ -144,17 +144,14 @@ class Batch:
 
     @cached_property
     def address(self) -> int:
-        """Of `advance_lanes` for these lanes, see `by_address`."""
+        """Address at which kernels call `advance_lanes` for these lanes."""
         return address_of(advance_lanes, *self._arguments(0, np.zeros(0, np.int64)), np.zeros(0))
 
     def run(self, kernel: Callable, lanes: NDArray[np.int64], *further: Any) -> dict[int, SimulationError]:
-        """Run a kernel over some lanes in the way of `attempt`, the kernel of which is `advance_lanes`.
+        """Run a kernel over some lanes (k,) as `attempt` runs `advance_lanes`, with the same result.
 
-        Args:
-            kernel: takes the arguments of `advance_lanes` up to the statuses, and is called again for the lanes that it
-                has left with the status TOO_MANY_STEPS. All statuses are DONE at first.
-            lanes: (k,) indices.
-            further: arguments of the kernel that follow.
+        The kernel takes the arguments of `advance_lanes` up to `statuses`, then `further` ones. Every lane is DONE
+        beforehand; the kernel is called again for those that it leaves with TOO_MANY_STEPS.
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")] if lanes.size > 1 else lanes
         left, clock = self.integrator.max_steps, self.states.clock
@@ -168,22 +165,20 @@ class Batch:
         steps = clock["steps"][:, 0]
         np.subtract(steps, self._steps, out=self._last_steps)
         self._steps[:] = steps
-        failed = np.sort(lanes[self._statuses[lanes] != m.DONE])
+        failed = sorted(lanes[self._statuses[lanes] != m.DONE].tolist())
         if queue.size:
             clock["failure_joint"][queue], clock["failure_value"][queue] = -1, self.integrator.max_steps
         for lane in np.flatnonzero(np.abs(steps - self._steps_looked) >= STEPS_BETWEEN_LOOKS):
             self._steps_looked[lane] = steps[lane]
             if lane not in failed:
                 self.simulations[lane].check()
-        return {int(lane): self.simulations[lane].failure(int(self._statuses[lane])) for lane in failed}
+        return {lane: self.simulations[lane].failure(int(self._statuses[lane])) for lane in failed}
 
     def _run_once(self, kernel: Callable, queue: NDArray[np.int64], further: tuple[Any, ...], threads: int) -> None:
-        """Run a kernel over lanes by the steps that they have left."""
+        """Call a kernel in every thread until the queue is empty."""
         self._counter[0] = 0
         start = time.perf_counter()
-        helpers = [
-            self._pool.submit(kernel, *self._arguments(thread, queue), *further) for thread in range(1, threads)
-        ]
+        helpers = [self._pool.submit(kernel, *self._arguments(thread, queue), *further) for thread in range(1, threads)]
         try:
             kernel(*self._arguments(0, queue), *further)
         finally:

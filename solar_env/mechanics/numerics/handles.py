@@ -82,7 +82,8 @@ def _unbox(kind: _HandleType, handle: Any, c: Any) -> NativeValue:
     return NativeValue(pointer)
 
 
-@overload(arrays_of, inline="always")
+# Not inlined by Numba, which would take what is written to the arrays for dead.
+@overload(arrays_of, jit_options={"forceinline": True, "_nrt": False})
 def _compiled_arrays(handle):
     return lambda handle: _loaded(handle)
 

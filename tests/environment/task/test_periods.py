@@ -22,13 +22,13 @@ def after(actions, **keywords):
 
 
 def test_a_period_of_fifty_samples_is_fifty_periods_of_one_sample():
-    actions = [0.8, 0.5, -0.3, 0.7]
+    actions = [0.8, -0.3]
     one = after(actions, control_period=0.5)
     other = after(np.repeat(actions, 50), control_period=0.01)
     assert one.state.joints["contact_starts"].sum() > 0
     for simulation in (one, other):
         simulation.state.joints["recent_peak_force"] = 0.0  # of the last period
-    assert (one.time, fingerprint(one.state)) == (2.0, fingerprint(other.state))
+    assert (one.time, fingerprint(one.state)) == (1.0, fingerprint(other.state))
 
 
 def test_how_often_a_call_comes_back_changes_no_bit(monkeypatch):
@@ -36,9 +36,9 @@ def test_how_often_a_call_comes_back_changes_no_bit(monkeypatch):
     for steps in (7, 5000):
         for name in ("STEPS_PER_CALL", "_FEWEST_STEPS_PER_CALL"):
             monkeypatch.setattr(f"solar_env.mechanics.running.batch.{name}", steps)
-        env = make_vector(3, **RATED)
+        env = make_vector(3, model="rigid-ideal", **RATED)
         env.reset(seed=3)
-        seen.append([env.step(actions) for actions in random_actions(12, 3)])
+        seen.append([env.step(actions) for actions in random_actions(4, 3)])
     assert_same(*seen)
 
 

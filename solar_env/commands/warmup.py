@@ -82,7 +82,10 @@ def run_command(args: Args) -> int:
                 console.print(f"{model}, {integrator}: {seconds:.1f} s")
     for name in CURRENT:
         before = time.perf_counter()
-        gymnasium.make(name).reset(seed=0)
+        for model in MODELS:
+            env = gymnasium.make(name, model=model)
+            env.reset(seed=0)
+            env.step(env.action_space.sample())
         console.print(f"{name}: {time.perf_counter() - before:.1f} s")
     console.print(f"all: {time.perf_counter() - start:.1f} s")
     return 0

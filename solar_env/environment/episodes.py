@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
-from solar_env.environment.task.periods import begin_periods, begin_samples, end_periods, observe_lanes
+from solar_env.environment.task.periods import hold_lanes, make_periods, observe_lanes
 from solar_env.environment.task.sensors import Memory
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
@@ -54,14 +54,11 @@ class Episodes:
     ) -> None:
         """Without episodes yet: they begin with `reset`; `threads`: see `Batch`."""
         self.settings, self.designs, self.parameters = settings, tuple(designs), list(designs)
-        lanes, terms, motors = len(designs), len(settings.terms.names), len(settings.task.driven_joints)
-        self._sensors = settings.sensors(lanes)
-        self.observations = self._sensors.observed
-        self.terms, self._accounts = np.zeros((lanes, terms)), np.zeros((lanes, terms, 2))
-        self.rewards, self._end_times, self._sample_ends = np.zeros(lanes), np.zeros(lanes), np.zeros(lanes)
-        self._loop_torques, self._rate_errors = np.zeros((lanes, motors)), np.zeros((lanes, motors))
-        self.terminated = np.zeros(lanes, dtype=np.bool_)
-        self._numbers, self._samples = settings.task.numbers(settings.devices), settings.task.samples(settings.devices)
+        lanes = len(designs)
+        self._sensors, self._numbers = settings.sensors(lanes), settings.task.numbers(settings.devices)
+        self._periods = make_periods(lanes, self._numbers, len(settings.terms.names), self._sensors.exact)
+        self.observations, self.terminated = self._sensors.observed, self._periods.terminated
+        self.terms, self.rewards = self._periods.terms, self._periods.rewards
         self._batch: Batch | None = None
         self._films = [Film(settings) for _ in range(lanes)]
         self._threads, self._busy = threads, False
@@ -118,11 +115,9 @@ class Episodes:
             self.parameters[lane] = parameters
             self._films[lane] = Film(self.settings)
         self.terminated[lanes] = False
-        for values in (self.terms, self.rewards, self._accounts, self._loop_torques):
+        for values in (self.terms, self.rewards, self._periods.accounts, self._periods.loop_torques):
             values[lanes] = 0.0
-        observe_lanes(
-            self._batch.models, self._batch.states, self._numbers, self._sensors.channels, lanes, self._sensors.exact
-        )
+        observe_lanes(*self._batch.handles, self._numbers, self._sensors.channels, lanes, self._sensors.exact)
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
@@ -142,42 +137,29 @@ class Episodes:
 
         Raises, Warns: as `Batch.attempt`.
         """
-        batch, failures = self.batch, dict[int, SimulationError]()
-        begin_periods(batch.states, self._numbers, lanes, self._end_times)
-        for _ in range(self._samples):
-            self.hold(lanes, actions)
-            failures |= batch.attempt(lanes, self._sample_ends)
-            lanes = np.setdiff1d(lanes, list(failures)) if failures else lanes
-        failed = list(failures)
-        self.terms[failed], self.rewards[failed] = 0.0, 0.0
-        self.end(lanes)
+        batch, sensors, periods = self.batch, self._sensors, self._periods
+        periods.actions[:] = actions
+        sensors.draw_rate_errors(lanes, periods.rate_errors)
+        failures = batch.run(
+            hold_lanes, lanes, batch.address, self._numbers, sensors.channels, self.settings.terms.rows, periods
+        )
         mark_compiled(self.settings.integrator.name)
-        return failures
-
-    def hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Set the motor torques until the drives' next sample."""
-        self._sensors.draw_rate_errors(lanes, self._rate_errors)
-        begin_samples(
-            self.batch.models, self.batch.states, self._numbers, lanes, actions, self._rate_errors, self._loop_torques,
-            self._end_times, self._sample_ends,
-        )  # fmt: skip
-
-    def end(self, lanes: NDArray[np.int64]) -> None:
-        """Charge and observe a control period."""
-        batch, sensors = self.batch, self._sensors
-        end_periods(
-            batch.models, batch.states, self._numbers, sensors.channels, self.settings.terms.rows, lanes,
-            self._accounts, self.terms, self.rewards, sensors.exact, self.terminated,
-        )  # fmt: skip
+        if failures:
+            failed = list(failures)
+            self.terms[failed], self.rewards[failed] = 0.0, 0.0
+            lanes = np.setdiff1d(lanes, failed)
         sensors.measure(lanes)
         if self.settings.render_mode:
             for lane in lanes:
                 self._films[lane].add(batch.simulations[lane].state)
+        return failures
 
     def save(self, lane: int) -> SavedEpisode:
         """The present episode of a lane, to be gone on with later, in any lane of episodes with the same settings."""
         state, sensors = self.batch.simulations[lane].snapshot(), self._sensors.memory(lane)
-        terms, account, torques = (values[lane].copy() for values in (self.terms, self._accounts, self._loop_torques))
+        account, terms, torques = (
+            values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.loop_torques)
+        )
         return SavedEpisode(self.parameters[lane], state, self.settings.terms.names, terms, account, torques, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
@@ -204,7 +186,7 @@ class Episodes:
     def _recall(self, lane: int, saved: SavedEpisode) -> None:
         """Take over what a saved episode has beside the state of its simulation."""
         self.parameters[lane], self.terminated[lane] = saved.parameters, False
-        self._accounts[lane], self._loop_torques[lane] = saved.account, saved.loop_torques
+        self._periods.accounts[lane], self._periods.loop_torques[lane] = saved.account, saved.loop_torques
         self.terms[lane], self.rewards[lane] = saved.terms, saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
 

@@ -64,10 +64,10 @@ class Sensors:
         self._rate_noise = hardware.rate_noise
 
     def draw_rate_errors(self, lanes: NDArray[np.int64], errors: NDArray[np.float64]) -> None:
-        """Draw the errors (all lanes, motors) with which the drives' loops in some lanes (k,) measure rates [rad/s]."""
+        """Draw errors (all lanes, samples, motors) of the rates [rad/s] that the loops in some lanes (k,) measure."""
         if self._rate_noise > 0.0:
             for lane in lanes:
-                errors[lane] = self._rate_noise * self._generators[lane].standard_normal(errors.shape[1])
+                errors[lane] = self._rate_noise * self._generators[lane].standard_normal(errors.shape[1:])
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
         """Observe the first state of new episodes in some lanes (k,), as if it had lasted; generators (k,) of noise."""

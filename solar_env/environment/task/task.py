@@ -27,12 +27,13 @@ motor_type = np.dtype((np.record, np.dtype([("joint", "i8"), *((name, "f8") for 
 
 
 class TaskNumbers(NamedTuple):
-    """A `Task` for kernels: times [s], and a row of `motor_type` for each motor."""
+    """A `Task` for kernels: times [s], samples of the drives in a control period, a row of `motor_type` by motor."""
 
     control_period: float
     deadline: float
     settling_window: float
     sample_period: float
+    samples: int
     motors: NDArray[np.void]
 
 
@@ -86,7 +87,8 @@ class Task:
 
     def numbers(self, hardware: Hardware) -> TaskNumbers:
         """The task, with the drives that it is done with, as the kernels take it."""
-        period = self.control_period / self.samples(hardware)
+        samples = self.samples(hardware)
+        period = self.control_period / samples
         motor = (
             self.torque_limit,
             response(hardware.motor_lag, period),
@@ -96,7 +98,7 @@ class Task:
         )
         motors = np.array([(joint, *motor) for joint in self.driven_joints], dtype=motor_type)
         deadline, window = float(self.deadline), float(self.settling_window)
-        return TaskNumbers(float(self.control_period), deadline, window, period, motors)
+        return TaskNumbers(float(self.control_period), deadline, window, period, samples, motors)
 
 
 # Forms of a price, the codes of `reward.cost`: a figure costs `weight * min(figure / scale, bound)`.

@@ -36,6 +36,7 @@ from solar_env.mechanics.integrators.methods.table import (
     resume_of,
     sample_of,
 )
+from solar_env.mechanics.numerics.handles import arrays_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import all_finite
 from solar_env.mechanics.numerics.step_size import growth, shortened
@@ -233,41 +234,43 @@ def take_step(model, state, settings, recorder, end_time, arrays):
 
 
 @kernel
-def advance(model, state, settings, recorder, end_time, arrays):
-    """Advance `state` in place to `end_time` [s], by at most `settings.max_steps` steps; returns a status code.
+def advance(model, state, settings, recorder, end_time, steps_left, arrays):
+    """Advance `state` in place to `end_time` [s]; returns a status code, and how many of the steps allowed are left.
 
     A call that stops for the number of its steps lands on nothing: the next one goes on to the same bits.
     """
-    clock, taken = state.clock[0], 0
+    clock = state.clock[0]
     status = begin_call(model, state, settings, recorder, arrays)
     while status == m.DONE and clock.time < end_time:
         if pause_due(recorder, clock.time, model.joints.size):
-            return m.PAUSED
-        if taken >= settings.max_steps:
-            return m.TOO_MANY_STEPS
-        taken += 1
+            return m.PAUSED, steps_left
+        if steps_left <= 0:
+            return m.TOO_MANY_STEPS, steps_left
+        steps_left -= 1
         status = take_step(model, state, settings, recorder, end_time, arrays)
-    return status
+    return status, steps_left
 
 
 @kernel(inlined=False)
-def advance_lanes(models, states, settings, recorder, queue, counter, end_times, statuses, arrays):
+def advance_lanes(models, states, settings, recorder, arrays, queue, counter, steps_left, statuses, end_times):
     """Advance lanes one after the other, next to other threads that do the same.
 
     Args:
-        models, states: of all lanes (`lanes.py`).
+        models, states: handles of those of all lanes (`lanes.py`).
         settings: of the method as the kernels take them; their type chooses the method.
         recorder: takes samples and contacts of every lane.
+        arrays: handle of the thread's scratch arrays.
         queue: (k,) indices of the lanes to advance, in this order.
         counter: (1,) number of lanes in the queue that some thread has begun with.
-        end_times: (lanes,) [s].
+        steps_left: (lanes,) number of steps that each may still take, tried ones included; brought up to date.
         statuses: (lanes,) status codes; written.
-        arrays: the thread's scratch arrays.
+        end_times: (lanes,) [s].
     """
     while True:
         ticket = take_ticket(counter)
         if ticket >= queue.size:
             break
         lane = queue[ticket]
-        model, state = lane_view(models, lane), lane_view(states, lane)
-        statuses[lane] = advance(model, state, settings, recorder, end_times[lane], arrays)
+        model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
+        status, left = advance(model, state, settings, recorder, end_times[lane], steps_left[lane], arrays_of(arrays))
+        statuses[lane], steps_left[lane] = status, left

@@ -59,7 +59,6 @@ def convert_settings(chosen: Any) -> ModalSettings:
         float(chosen.rtol * _DEPTH_TOLERANCE),
         float(chosen.max_step),
         float(chosen.impact_resolution),
-        int(chosen.max_steps),
     )
 
 

@@ -91,7 +91,6 @@ class ModalSettings(NamedTuple):
     depth_tolerance: float
     max_step: float
     impact_resolution: float
-    max_steps: int
 
 
 @kernel

@@ -3,8 +3,10 @@
 import math
 import os
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cached_property
+from typing import Any
 
 import numba
 import numpy as np
@@ -14,6 +16,8 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import allocate_lanes, check_structure, copied, fill_lane, lane_view
 from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.run import advance_lanes
+from solar_env.mechanics.numerics.by_address import address_of
+from solar_env.mechanics.numerics.handles import Handle
 from solar_env.mechanics.records.recording import Recorder, make_recorder
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import STEPS_BETWEEN_LOOKS, STEPS_PER_CALL, Simulation
@@ -33,6 +37,7 @@ class Batch:
     Attributes:
         simulations: by lane; they can be read, saved, restored and advanced singly too.
         models, states: arrays of all lanes (`lanes.py`).
+        handles: of these two.
         threads: most threads that advance lanes at the same time.
     """
 
@@ -58,11 +63,13 @@ class Batch:
         self.threads = min(available, count)
         self.integrator = first.integrator
         self.models, self.states = allocate_lanes(first.model, count), allocate_lanes(first.state, count)
+        self.handles = Handle(self.models), Handle(self.states)
         method = method_of(first.integrator)
         self._settings = method.convert(first.integrator)
         self._recorder = make_recorder(first.model, first.state, np.zeros(0), 0)
-        self._arrays = [method.arrays(first.model, first.state) for _ in range(self.threads)]
-        self._statuses, self._counter = np.zeros(count, dtype=np.int64), np.zeros(1, dtype=np.int64)
+        self._arrays = [Handle(method.arrays(first.model, first.state)) for _ in range(self.threads)]
+        self._counter = np.zeros(1, dtype=np.int64)
+        self._statuses, self._steps_left = (np.zeros(count, dtype=np.int64) for _ in range(2))
         self._steps, self._last_steps, self._steps_looked = (np.zeros(count, dtype=np.int64) for _ in range(3))
         self._work_expected = math.inf
         self._process = os.getpid()
@@ -71,8 +78,8 @@ class Batch:
             self.replace(lane, simulation)
 
     def __getstate__(self) -> dict[str, object]:
-        """For copies and pickles: threads stay behind."""
-        return {name: value for name, value in vars(self).items() if name != "_threads"}
+        """For copies and pickles: threads and the address in this process stay behind."""
+        return {name: value for name, value in vars(self).items() if name not in ("_threads", "address")}
 
     def __setstate__(self, values: dict[str, object]) -> None:
         """Let the copied simulations share their memory with the copied lanes again."""
@@ -133,37 +140,47 @@ class Batch:
 
     def attempt(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> dict[int, SimulationError]:
         """`advance` that hands back failures: lane -> why it cannot go on, by lane; mostly there are none."""
-        queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")]
+        return self.run(advance_lanes, lanes, end_times)
+
+    @cached_property
+    def address(self) -> int:
+        """Address at which kernels call `advance_lanes` for these lanes."""
+        return address_of(advance_lanes, *self._arguments(0, np.zeros(0, np.int64)), np.zeros(0))
+
+    def run(self, kernel: Callable, lanes: NDArray[np.int64], *further: Any) -> dict[int, SimulationError]:
+        """Run a kernel over some lanes (k,) as `attempt` runs `advance_lanes`, with the same result.
+
+        The kernel takes the arguments of `advance_lanes` up to `statuses`, then `further` ones. Every lane is DONE
+        beforehand; the kernel is called again for those that it leaves with TOO_MANY_STEPS.
+        """
+        queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")] if lanes.size > 1 else lanes
         left, clock = self.integrator.max_steps, self.states.clock
+        self._statuses[lanes] = m.DONE
         while queue.size and left > 0:
             threads = max(1, int(min(self.threads, queue.size, self._work_expected / _WORK_FOR_A_THREAD)))
             allowed = min(max(STEPS_PER_CALL * threads // queue.size, _FEWEST_STEPS_PER_CALL), left)
-            self._advance_once(queue, end_times, allowed, threads)
-            left -= allowed
+            self._steps_left[queue], left = allowed, left - allowed
+            self._run_once(kernel, queue, further, threads)
             queue = queue[self._statuses[queue] == m.TOO_MANY_STEPS]
         steps = clock["steps"][:, 0]
         np.subtract(steps, self._steps, out=self._last_steps)
         self._steps[:] = steps
-        failed = np.sort(lanes[self._statuses[lanes] != m.DONE])
+        failed = sorted(lanes[self._statuses[lanes] != m.DONE].tolist())
         if queue.size:
             clock["failure_joint"][queue], clock["failure_value"][queue] = -1, self.integrator.max_steps
         for lane in np.flatnonzero(np.abs(steps - self._steps_looked) >= STEPS_BETWEEN_LOOKS):
             self._steps_looked[lane] = steps[lane]
             if lane not in failed:
                 self.simulations[lane].check()
-        return {int(lane): self.simulations[lane].failure(int(self._statuses[lane])) for lane in failed}
+        return {lane: self.simulations[lane].failure(int(self._statuses[lane])) for lane in failed}
 
-    def _advance_once(
-        self, queue: NDArray[np.int64], end_times: NDArray[np.float64], allowed: int, threads: int
-    ) -> None:
-        """Advance lanes by a number of steps at most, which leaves the status TOO_MANY_STEPS where they are too few."""
-        if allowed != self._settings.max_steps:
-            self._settings = self._settings._replace(max_steps=allowed)
+    def _run_once(self, kernel: Callable, queue: NDArray[np.int64], further: tuple[Any, ...], threads: int) -> None:
+        """Call a kernel in every thread until the queue is empty."""
         self._counter[0] = 0
         start = time.perf_counter()
-        helpers = [self._pool.submit(self._work, k, queue, end_times) for k in range(1, threads)]
+        helpers = [self._pool.submit(kernel, *self._arguments(thread, queue), *further) for thread in range(1, threads)]
         try:
-            self._work(0, queue, end_times)
+            kernel(*self._arguments(0, queue), *further)
         finally:
             # Also on Ctrl-C: they are still at work on the states.
             if helpers:
@@ -172,17 +189,17 @@ class Batch:
             helper.result()
         self._work_expected = threads * (time.perf_counter() - start)
 
-    def _work(self, thread: int, queue: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
-        advance_lanes(
-            self.models,
-            self.states,
+    def _arguments(self, thread: int, queue: NDArray[np.int64]) -> tuple[Any, ...]:
+        """Arguments of `advance_lanes` up to the statuses."""
+        return (
+            *self.handles,
             self._settings,
             self._recorder,
+            self._arrays[thread],
             queue,
             self._counter,
-            end_times,
+            self._steps_left,
             self._statuses,
-            self._arrays[thread],
         )
 
     @property

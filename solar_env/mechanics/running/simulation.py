@@ -19,6 +19,7 @@ from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.numerics.handles import Handle
 from solar_env.mechanics.records.recording import Recorder, make_recorder
 from solar_env.mechanics.running.diagnosis import force_shortcoming, range_shortcoming, shortcomings, warn
 from solar_env.mechanics.running.errors import SimulationError, failure
@@ -189,9 +190,9 @@ class Simulation:
             warn(text)
 
     @cached_property
-    def _lane(self) -> tuple[Any, Any, dict[str, Any]]:
+    def _lane(self) -> tuple[Handle, Handle, dict[str, Handle]]:
         """Model and state as those of a single lane, and scratch arrays by the name of a method."""
-        return with_lane_axis(self.model), with_lane_axis(self.state), {}
+        return Handle(with_lane_axis(self.model)), Handle(with_lane_axis(self.state)), {}
 
     def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:
         method = method_of(self.integrator)
@@ -202,16 +203,16 @@ class Simulation:
             )
         models, states, scratch = self._lane
         if self.integrator.name not in scratch:
-            scratch[self.integrator.name] = method.arrays(self.model, self.state)
-        queue, counter, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.full(1, m.TOO_MANY_STEPS)
+            scratch[self.integrator.name] = Handle(method.arrays(self.model, self.state))
+        queue, counter, steps_left = (np.zeros(1, np.int64) for _ in range(3))
+        status = np.full(1, m.TOO_MANY_STEPS)
         settings, end_times = method.convert(self.integrator), np.array([end_time], np.float64)
         arrays, clock = scratch[self.integrator.name], self.state.clock[0]
         left = self.integrator.max_steps if most_steps is None else most_steps
         while status[0] == m.TOO_MANY_STEPS and left > 0:
             allowed, counter[0] = min(STEPS_PER_CALL, left), 0
-            chunk = settings._replace(max_steps=allowed)
-            advance_lanes(models, states, chunk, recorder, queue, counter, end_times, status, arrays)
-            left -= allowed
+            steps_left[0], left = allowed, left - allowed
+            advance_lanes(models, states, settings, recorder, arrays, queue, counter, steps_left, status, end_times)
         if status[0] == m.TOO_MANY_STEPS:
             clock["failure_joint"], clock["failure_value"] = -1, self.integrator.max_steps
         return int(status[0])

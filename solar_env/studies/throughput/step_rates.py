@@ -108,14 +108,14 @@ def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, floa
 
 
 def measure_rate(model: str, lanes: int) -> dict[str, float]:
-    """Steps per second of a native vector environment, whose lanes go through all moments, and the physics' share."""
+    """Steps per second of a native vector environment, whose lanes go through all moments, and the compiled share."""
     env = make_native(model, lanes)
-    taken = {"step": 0.0, "attempt": 0.0}
-    for owner, name in ((env, "step"), (env.episodes.batch, "attempt")):
+    taken = {"step": 0.0, "run": 0.0}
+    for owner, name in ((env, "step"), (env.episodes.batch, "run")):
         setattr(owner, name, _timed(getattr(owner, name), taken, name))
     begins = [partial(place, env, chosen) for chosen in placements(model, lanes)]
     rates = compare({str(lanes): (env, begins)}, lanes)
-    return {**rates, "physics": taken["attempt"] / taken["step"]} if lanes == SCALED_LANES else rates
+    return {**rates, "compiled": taken["run"] / taken["step"]} if lanes == SCALED_LANES else rates
 
 
 def _timed(function: Callable[..., object], taken: dict[str, float], name: str) -> Callable[..., object]:
@@ -168,7 +168,7 @@ def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
     """The figures of all models: rates by lanes, what a step is spent on, and other vectors."""
     threads = available_processors()
     columns = (
-        "model", *map(str, LANES), f"{threads} threads over 1", "physics' share",
+        "model", *map(str, LANES), f"{threads} threads over 1", "compiled share",
         *(f"over {peer}" for peer in PEERS),
     )  # fmt: skip
     rows = [
@@ -176,13 +176,13 @@ def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
             model,
             *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES),
             f"{measured['threads']:.2f}",
-            f"{measured['physics']:.1%}",
+            f"{measured['compiled']:.1%}",
             *(f"{measured[peer]:.2f}" for peer in PEERS),
         )
         for model, measured in figures.items()
     ]
     return (
         f"Environment steps (0.1 s) per second by number of lanes, {threads} threads; with {SCALED_LANES} lanes the "
-        "ratio to one thread, and the physics' share of the time; ratio to other vectors of "
+        "ratio to one thread, and the share of the time in compiled calls; ratio to other vectors of "
         f"{COMPARED_LANES} environments:\n\n{markdown_table(columns, rows)}"
     )

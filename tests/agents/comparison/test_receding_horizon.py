@@ -70,9 +70,7 @@ def everything(env):
         unwrapped.simulation.model,
         episodes.parameters,
         episodes.observations,
-        episodes.terms,
-        episodes.terminated,
-        episodes._accounts,
+        episodes._periods,
         vars(episodes._sensors),
         unwrapped.np_random.bit_generator.state,
     ]

@@ -10,7 +10,7 @@ import pytest
 
 import solar_env
 from solar_env.environment.registration import DEPLOY
-from solar_env.environment.task.reward import REWARD_TERMS, Price, Reward
+from solar_env.environment.task.reward import REWARD_TERMS, Price, Reward, charge
 from solar_env.mechanics.arrays import model as m
 
 PERIODS, LATCHING = 12, 5
@@ -71,15 +71,15 @@ def charged(reward, lanes=1, **keywords):
     """Infos and rewards of the imagined deployments in some lanes: (lanes, PERIODS) by term, and (lanes, PERIODS)."""
     env = gymnasium.make_vec(DEPLOY, lanes, model="rigid-ideal", reward=reward, **keywords).unwrapped
     env.reset(seed=0)
-    episodes, terms, rewards = env.episodes, [], []
-    for period in range(PERIODS):
-        for lane in range(lanes):
-            show(episodes.batch.simulations[lane].state, lane, period)
-        episodes.end(np.arange(lanes))
-        terms.append(episodes.terms.copy())
-        rewards.append(episodes.rewards.copy())
-    by_term = dict(zip(env.reward.names, np.transpose(terms, (2, 1, 0)), strict=True))
-    return by_term, np.transpose(rewards)
+    task, count = env.task.numbers(env.hardware), len(env.reward.names)
+    terms, rewards = np.zeros((lanes, PERIODS, count)), np.zeros((lanes, PERIODS))
+    for lane, simulation in enumerate(env.episodes.batch.simulations):
+        account = np.zeros((count, 2))
+        for period in range(PERIODS):
+            show(simulation.state, lane, period)
+            charge_for = simulation.model, simulation.state, task, env.reward.rows, account, terms[lane, period]
+            rewards[lane, period] = charge(*charge_for)
+    return dict(zip(env.reward.names, np.moveaxis(terms, 2, 0), strict=True)), rewards
 
 
 @each

@@ -57,7 +57,6 @@ class AlphaSettings(NamedTuple):
     gamma: float
     step: float  # [s]
     newton_tolerance: float
-    max_steps: int
 
 
 class Iteration(NamedTuple):
@@ -256,7 +255,6 @@ def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
         *alpha_coefficients(chosen.rho_inf),
         float(chosen.step),
         float(chosen.newton_tolerance),
-        int(chosen.max_steps),
     )
 
 

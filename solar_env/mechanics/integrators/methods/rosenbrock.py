@@ -63,7 +63,6 @@ class StageSettings(NamedTuple):
     velocity_scale: float  # [m/s]
     max_step: float  # [s]
     impact_resolution: float  # steps per predicted impact duration
-    max_steps: int  # per call
     implicit: bool  # whether steps may be linearly implicit
 
 
@@ -86,7 +85,6 @@ def convert_settings(chosen: RungeKutta) -> StageSettings:
         float(chosen.velocity_scale),
         float(chosen.max_step),
         float(chosen.impact_resolution),
-        int(chosen.max_steps),
         isinstance(chosen, Rosenbrock),
     )
 

@@ -1,0 +1,54 @@
+"""Calls of a compiled kernel by its address, so that a kernel which calls a long one does not compile it again."""
+
+from typing import Any
+
+import numba
+from llvmlite import ir
+from numba import typeof, types
+from numba.core import cgutils
+from numba.core.errors import TypingError
+from numba.core.typing.templates import Signature
+from numba.extending import intrinsic, overload
+
+
+def address_of(kernel: Any, *arguments: Any) -> int:
+    """Address of the code that a call from Python with arguments of these types runs, in this process; 0 uncompiled.
+
+    The code is compiled, or loaded, if it is not there yet.
+    """
+    if numba.config.DISABLE_JIT:
+        return 0
+    signature = tuple(map(typeof, arguments))
+    kernel.from_python.compile(signature)
+    found = kernel.from_python.overloads[signature]
+    return int(found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
+
+
+def call_at(address: int, kernel: Any, *arguments: Any) -> Any:
+    """Call a kernel at its `address_of` arguments of the same types; from Python, call it."""
+    return kernel(*arguments)
+
+
+@overload(call_at)
+def _compiled_call(address, kernel, *arguments):
+    return lambda address, kernel, *arguments: _call(address, kernel, arguments)
+
+
+@intrinsic
+def _call(typing_context: Any, address: Any, kernel: Any, arguments: Any) -> tuple[Signature, Any]:
+    kinds = tuple(arguments.types)
+    found = kernel.dispatcher.from_python.overloads.get(kinds)
+    if found is None:
+        raise TypingError(f"{kernel.dispatcher.py_func.__name__} has no address for arguments of the types {kinds}")
+    returned = found.signature.return_type
+
+    def generate(context: Any, builder: ir.IRBuilder, signature: Signature, values: Any) -> ir.Value:
+        convention = context.call_conv
+        pointer = convention.get_function_type(returned, kinds).as_pointer()
+        function, unpacked = builder.inttoptr(values[0], pointer), cgutils.unpack_tuple(builder, values[2])
+        status, result = convention.call_function(builder, function, returned, kinds, unpacked)
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
+        return result
+
+    return returned(types.int64, kernel, arguments), generate

@@ -6,7 +6,7 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from solar_env.verification.arrays import deployments, impacts
-from solar_env.verification.beams import dynamics, statics, vibration
+from solar_env.verification.beams import dynamics, statics
 from solar_env.verification.checks import Check
 from solar_env.verification.impacts import impact, sliding, stops
 from solar_env.verification.linkages import four_bar, pendulum
@@ -34,8 +34,8 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "beam-order": statics.orders,
     "elastica": statics.tip_load,
     "rolled-beam": statics.tip_moment,
-    "panel-frequencies": vibration.panel_frequencies,
-    "material-damping": vibration.material_damping,
+    "panel-frequencies": statics.panel_frequencies,
+    "material-damping": statics.material_damping,
     "spin-up": dynamics.spin_up,
     "flexible-pendulum": dynamics.falling_pendulum,
     "free-beam": dynamics.free_flight,

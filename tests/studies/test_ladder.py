@@ -9,7 +9,7 @@ import pytest
 from solar_env.__main__ import main
 from solar_env.array import ModelLevel
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, cheapest, read_answers
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import Level
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.ladder import campaign
 from solar_env.studies.ladder.answers import discordant_share, mean_error, ranking_error

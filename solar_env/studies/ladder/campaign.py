@@ -19,8 +19,7 @@ from solar_env.environment.task.task import PRESENT
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.studies.common.levels import FINEST, Level
-from solar_env.studies.common.motion import SETTING_SHARE, perturbed
+from solar_env.studies.common.motion import FINEST, SETTING_SHARE, Level, perturbed
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.studies.ladder.answers import mean_error, ranking_error
 from solar_env.support.progress import counting_bar

@@ -9,10 +9,9 @@ from dataclasses import replace
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.mechanism import PANEL, Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning
-from solar_env.verification.beams.theory import deflected_tip
+from solar_env.verification.beams.theory import FineBeam, deflected_tip
 from solar_env.verification.checks import Check
 from solar_env.verification.panels.mechanisms import clamp, dead_force, loose, modal, moved, start
-from solar_env.verification.panels.theory import FineBeam
 
 SERIES = "4000 exact modes as functions of time, and the static flexibility of the others"
 RANGE = "range of the second order: squared slope over 4 below 1 %"

@@ -14,7 +14,7 @@ from solar_env.array.deployment import simulate
 from solar_env.array.parameters.file import ParameterFile
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.integrators.settings import ModalRadau, RungeKutta
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import Level
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.loads import ensemble
 from solar_env.studies.loads.hub import hub_place, hub_velocity, mean_loads, sampled_hinge_loads

@@ -10,7 +10,7 @@ from solar_env.verification.beams import dynamics, statics
 from solar_env.verification.checks import Check
 from solar_env.verification.impacts import impact, sliding, stops
 from solar_env.verification.linkages import four_bar, pendulum
-from solar_env.verification.panels import ends, method, struck, turning
+from solar_env.verification.panels import method, motion, struck
 
 CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "restitution": impact.restitution_curve,
@@ -39,12 +39,12 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "spin-up": dynamics.spin_up,
     "flexible-pendulum": dynamics.falling_pendulum,
     "free-beam": dynamics.free_flight,
-    "modal-responses": ends.step_responses,
-    "modal-elastica": ends.large_deflections,
+    "modal-responses": motion.step_responses,
+    "modal-elastica": motion.large_deflections,
     "modal-struck-bar": struck.struck_along,
     "modal-struck-beam": struck.struck_across,
-    "modal-spin-up": turning.spin_up,
-    "modal-pendulum": turning.falling_pendulum,
+    "modal-spin-up": motion.spin_up,
+    "modal-pendulum": motion.falling_pendulum,
     "modal-order": method.order,
     "modal-conservation": method.free_chain,
 }

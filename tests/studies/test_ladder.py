@@ -12,8 +12,7 @@ from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, cheapest, read_ans
 from solar_env.studies.common.motion import Level
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.ladder import campaign
-from solar_env.studies.ladder.answers import discordant_share, mean_error, ranking_error
-from solar_env.studies.ladder.campaign import CONTROLLERS, deploy
+from solar_env.studies.ladder.campaign import CONTROLLERS, deploy, discordant_share, mean_error, ranking_error
 from solar_env.studies.ladder.plot import conclusion
 from solar_env.support.readme import STUDIES
 

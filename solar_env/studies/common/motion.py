@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from solar_env.array import RELEASE_RATE, ArrayParameters, ModelLevel, build, default_integrator
 from solar_env.array.deployment import simulate as simulate_array
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
-from solar_env.mechanics.mechanism import Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -30,10 +29,6 @@ class Scene:
     duration: float  # s
     sample_step: float  # distance of the sampled angles [s]
     forces_kept: bool = False  # whether programs that sample peak contact forces must do so at every step
-
-    def mechanism(self) -> Mechanism:
-        """The array as our simulator takes it."""
-        return build(self.parameters, self.model)
 
     @property
     def level(self) -> ModelLevel:
@@ -152,7 +147,8 @@ def run_ours(scene: Scene, integrator: Integrator) -> Motion:
     """
     with warnings.catch_warnings():  # what the library warns of is measured here
         warnings.simplefilter("ignore", SimulationWarning)
-        trajectory = simulate(scene.mechanism(), scene.duration, integrator=integrator, output_step=scene.sample_step)
+        array = build(scene.parameters, scene.model)
+        trajectory = simulate(array, scene.duration, integrator=integrator, output_step=scene.sample_step)
     return from_trajectory(trajectory)
 
 

@@ -14,7 +14,7 @@ from agents.environments import MODEL, with_sampling
 from agents.laws.table import LAWS
 from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import make_folder
-from solar_env.support.terminal import print_markdown
+from solar_env.support.progress import print_markdown
 
 CONTROLLERS = (
     f"laws ({', '.join(LAWS)}), shipped policies and run folders, and receding-horizon:OTHER, which searches with the "

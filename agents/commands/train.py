@@ -17,7 +17,7 @@ from agents.environments import DEFAULT_ENV_ID, INTERFACE, MODEL, RIGID, episode
 from agents.learning import learn, runs
 from solar_env.commands.arguments import Assignments, CommandRecord, WorkerOptions
 from solar_env.support.interruption import keeping
-from solar_env.support.terminal import print_markdown
+from solar_env.support.progress import print_markdown
 
 BASELINES = ("passive", "servo-untuned", "servo")
 FIXED = ("algo", "seed", "env_id", "model", "env_kwargs", "n_envs", "hyperparams")

@@ -22,7 +22,7 @@ from agents.policies import shipped
 from agents.rollout import Figures, are_figures, run_episode
 from agents.torque_laws import Controller, LawParameters
 from solar_env.environment.registration import DEPLOY, DEPLOY_RANDOMISED
-from solar_env.support.campaigns import ONE, Campaign, Cell, Workers, each_done
+from solar_env.support.campaigns import Campaign, Cell, each_done
 from solar_env.support.progress import counting_bar
 
 STORE = "episodes.jsonl"
@@ -46,7 +46,7 @@ def evaluate(
     env_id: str = DEFAULT_ENV_ID,
     env_kwargs: Mapping[str, object] | None = None,
     progress: bool = True,
-    workers: Workers = ONE,
+    workers: int = 1,
     store: Path | None = None,
 ) -> list[Row]:
     """Run every controller on the same evaluation episodes.
@@ -119,7 +119,7 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
 
 
 def run_cells(
-    cells: Sequence[Cell], workers: Workers = ONE, store: Path | None = None, progress: bool = True
+    cells: Sequence[Cell], workers: int = 1, store: Path | None = None, progress: bool = True
 ) -> list[Figures]:
     """Run cells and return their figures, in their order; of cells that are alike one is run.
 
@@ -157,7 +157,7 @@ def mean_returns(
     env_id: str,
     env_kwargs: Mapping[str, object],
     seeds: Sequence[int],
-    workers: Workers,
+    workers: int,
 ) -> list[float]:
     """Return the mean return of each candidate for the parameters of a law, over the same episodes."""
     law = {"spec": controller, "env_id": env_id, "env_kwargs": runs.jsonable(env_kwargs)}

@@ -1,7 +1,5 @@
 """A comparison of controllers as numbers, as tables in Markdown, and as files."""
 
-import csv
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -14,6 +12,7 @@ from agents.comparison.statistics import Estimate, difference, estimate, improve
 from agents.laws.table import LAWS
 from agents.learning import runs
 from solar_env.studies.common.bootstrap import FEWEST
+from solar_env.studies.common.tables import write_table
 from solar_env.support.files import make_folder, write_text
 from solar_env.support.markdown import markdown_table
 from solar_env.support.versions import versions
@@ -126,12 +125,8 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
 def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, object]) -> tuple[Summary, str]:
     """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, columns)
-    writer.writeheader()
-    writer.writerows(rows)
     make_folder(folder)
-    write_text(folder / "episodes.csv", text.getvalue())
+    write_table(folder / "episodes.csv", [dict.fromkeys(columns, "") | row for row in rows], {})
     summary = summarize(rows)
     tables = tabulate(rows, summary)
     controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}

@@ -8,19 +8,18 @@ Imports `mechanics` and `support`. A new parameter is a field of `ArrayParameter
 `construction`.
 """
 
-from solar_env.array.construction import build as build
-from solar_env.array.construction import main_body_corners as main_body_corners
-from solar_env.array.ladder import cheapest_level as cheapest_level
-from solar_env.array.level import MODELS as MODELS
-from solar_env.array.level import ModelLevel as ModelLevel
-from solar_env.array.methods import announce_compilation as announce_compilation
-from solar_env.array.methods import compilation_note as compilation_note
-from solar_env.array.methods import default_integrator as default_integrator
-from solar_env.array.methods import make_integrator as make_integrator
-from solar_env.array.methods import mark_compiled as mark_compiled
-from solar_env.array.parameters import PRESETS as PRESETS
-from solar_env.array.parameters import ArrayParameters as ArrayParameters
-from solar_env.array.parameters.file import ParameterFile as ParameterFile
-from solar_env.array.parameters.file import read_parameters as read_parameters
-from solar_env.array.parameters.ranges import RELEASE_RATE as RELEASE_RATE
-from solar_env.array.parameters.ranges import Ranges as Ranges
+# ruff: noqa: F401 - names of the room
+
+from solar_env.array.construction import build, main_body_corners
+from solar_env.array.ladder import cheapest_level
+from solar_env.array.level import MODELS, ModelLevel
+from solar_env.array.methods import (
+    announce_compilation,
+    compilation_note,
+    default_integrator,
+    make_integrator,
+    mark_compiled,
+)
+from solar_env.array.parameters import PRESETS, ArrayParameters
+from solar_env.array.parameters.file import ParameterFile, read_parameters
+from solar_env.array.parameters.ranges import RELEASE_RATE, Ranges

@@ -101,11 +101,15 @@ def _cable(p: ArrayParameters, inner: JointRow, outer: JointRow) -> CableLoop:
 
 
 def main_body_corners(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Corners (4, 2) of the main body [m], in order round it, from its two base points (2, 2)."""
-    p = parameters
-    along = base_points[1] - base_points[0]
-    along = along / np.hypot(*along)
-    across = np.array([-along[1], along[0]])
-    centroid = base_points[0] - p.hinge_y * across
-    half = p.body_size / 2
-    return np.array([centroid + half * (i * along + j * across) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+    """Corners (..., 4, 2) of the main body [m], in order round it, from its two base points (..., 2, 2)."""
+    centroid, along, across = main_body_frame(parameters, base_points)
+    half, corners = parameters.body_size / 2, ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    return np.stack([centroid + half * (i * along + j * across) for i, j in corners], axis=-2)
+
+
+def main_body_frame(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Centroid [m] and axes, (..., 2) each, of the main body from its two base points (..., 2, 2)."""
+    along = base_points[..., 1, :] - base_points[..., 0, :]
+    along = along / np.hypot(along[..., :1], along[..., 1:])
+    across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
+    return base_points[..., 0, :] - parameters.hinge_y * across, along, across

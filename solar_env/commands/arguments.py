@@ -15,7 +15,6 @@ import tyro
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, ParameterFile, read_parameters
-from solar_env.support.campaigns import Workers
 from solar_env.support.files import make_folder
 
 Arguments = TypeVar("Arguments")
@@ -49,13 +48,15 @@ class WorkerOptions(QuietOption):
     """processes; by default one for each processor"""
 
     @property
-    def workers(self) -> Workers:
-        """The processes.
+    def workers(self) -> int:
+        """Number of processes; -1 for one a processor.
 
         Raises:
             ValueError: The number of processes is not positive.
         """
-        return Workers(self.jobs)
+        if self.jobs is not None and self.jobs < 1:
+            raise ValueError(f"jobs = {self.jobs!r} must be at least 1")
+        return self.jobs or -1
 
 
 @dataclasses.dataclass

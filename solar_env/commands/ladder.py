@@ -9,8 +9,8 @@ import tyro
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, cheapest, read_answers, steps
 from solar_env.commands.arguments import FolderOptions, QuietOption
 from solar_env.support.markdown import markdown_table
+from solar_env.support.progress import print_markdown
 from solar_env.support.readme import STUDIES, Section
-from solar_env.support.terminal import print_markdown
 
 SECTION = Section(STUDIES / "ladder" / "README.md", "ladder", "solar-env ladder --readme")
 

@@ -9,7 +9,7 @@ from rich.table import Table
 from solar_env.array import build
 from solar_env.commands.arguments import ArrayOption, CommandRecord, WorkerOptions
 from solar_env.support.files import check_target
-from solar_env.support.terminal import wide_console
+from solar_env.support.progress import wide_console
 
 
 @dataclass

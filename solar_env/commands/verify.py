@@ -7,8 +7,7 @@ from solar_env.array import compilation_note
 from solar_env.commands.arguments import QuietOption
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.support.files import check_target, write_text
-from solar_env.support.progress import counting_bar
-from solar_env.support.terminal import wide_console
+from solar_env.support.progress import counting_bar, wide_console
 from solar_env.verification.checks import make_table, to_json
 
 

@@ -7,7 +7,6 @@ import hashlib
 import json
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -26,26 +25,8 @@ Result = TypeVar("Result")
 Cell = Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class Workers:
-    """Where tasks run.
-
-    Attributes:
-        jobs: number of processes, 1 or more; None for one a processor.
-    """
-
-    jobs: int | None = 1
-
-    def __post_init__(self) -> None:
-        if self.jobs is not None and self.jobs < 1:
-            raise ValueError(f"jobs = {self.jobs!r} must be at least 1")
-
-
-ONE = Workers()
-
-
 def each_done(
-    function: Callable[[Task], Result], tasks: Iterable[Task], workers: Workers = ONE
+    function: Callable[[Task], Result], tasks: Iterable[Task], workers: int = 1
 ) -> Iterator[tuple[Task, Result]]:
     """Call `function` for every task, and yield each task with its result as it is done.
 
@@ -54,14 +35,14 @@ def each_done(
     Args:
         function: at the top of a module, like its results something that can be pickled.
         tasks: its arguments.
-        workers: where.
+        workers: number of processes; -1 for one a processor.
 
     Raises:
         Exception: whatever `function` raises.
     """
     calls = (delayed(_with_task)(function, task) for task in tasks)
     with starting_workers():
-        results = Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
+        results = Parallel(n_jobs=workers, return_as="generator_unordered")(calls)
     with warnings.catch_warnings():
         # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in another
         # thread. Made an error, by a filter, the warning would end this thread, and results would never come.
@@ -127,7 +108,7 @@ class Campaign:
         """The cells that are not done, in their order."""
         return tuple(cell for key, cell in self.cells.items() if key not in self._results)
 
-    def run(self, workers: Workers = ONE) -> Iterator[Cell]:
+    def run(self, workers: int = 1) -> Iterator[Cell]:
         """Do what is missing, and yield each cell when its result is in the file."""
         with self._store.open("a", encoding="utf-8") as file, keeping(self._kept):
             for cell, result in each_done(self._function, self.missing, workers):
@@ -140,7 +121,7 @@ class Campaign:
                 self._results[_key(cell)] = json.loads(json.dumps(result))
                 yield cell
 
-    def run_shown(self, workers: Workers, console: Console, cells: str) -> list[Any]:
+    def run_shown(self, workers: int, console: Console, cells: str) -> list[Any]:
         """Do what is missing under a bar that says what `cells` are; returns the results of all cells."""
         with counting_bar(console) as bar:
             task = bar.add_task(cells, total=len(self.cells), completed=len(self.cells) - len(self.missing))

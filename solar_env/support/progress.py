@@ -1,10 +1,13 @@
-"""How far a command is: a bar in a terminal, nothing in the log of a job."""
+"""What a command shows: how far it is, by a bar in a terminal and nothing in the log of a job, and tables."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
+from rich.markdown import Markdown
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+_NARROWEST = 140  # characters, where the output is not a terminal
 
 
 def counting_bar(console: Console) -> Progress:
@@ -21,3 +24,16 @@ def stage(console: Console, text: str) -> Iterator[None]:
         console.print(text, highlight=False, markup=False, soft_wrap=True)
     with console.status(text):
         yield
+
+
+def print_markdown(text: str) -> None:
+    """Print Markdown as it reads, drawn for the width of `wide_console`."""
+    wide_console().print(Markdown(text))
+
+
+def wide_console() -> Console:
+    """A console for wide tables: as wide as the terminal, or 140 characters where there is none."""
+    console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, _NARROWEST)
+    return console

@@ -6,11 +6,11 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from solar_env.verification.arrays import deployments, impacts
-from solar_env.verification.beams import dynamics, statics, vibration
+from solar_env.verification.beams import dynamics, statics
 from solar_env.verification.checks import Check
 from solar_env.verification.impacts import impact, sliding, stops
 from solar_env.verification.linkages import four_bar, pendulum
-from solar_env.verification.panels import ends, method, struck, turning
+from solar_env.verification.panels import method, motion, struck
 
 CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "restitution": impact.restitution_curve,
@@ -34,17 +34,17 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "beam-order": statics.orders,
     "elastica": statics.tip_load,
     "rolled-beam": statics.tip_moment,
-    "panel-frequencies": vibration.panel_frequencies,
-    "material-damping": vibration.material_damping,
+    "panel-frequencies": statics.panel_frequencies,
+    "material-damping": statics.material_damping,
     "spin-up": dynamics.spin_up,
     "flexible-pendulum": dynamics.falling_pendulum,
     "free-beam": dynamics.free_flight,
-    "modal-responses": ends.step_responses,
-    "modal-elastica": ends.large_deflections,
+    "modal-responses": motion.step_responses,
+    "modal-elastica": motion.large_deflections,
     "modal-struck-bar": struck.struck_along,
     "modal-struck-beam": struck.struck_across,
-    "modal-spin-up": turning.spin_up,
-    "modal-pendulum": turning.falling_pendulum,
+    "modal-spin-up": motion.spin_up,
+    "modal-pendulum": motion.falling_pendulum,
     "modal-order": method.order,
     "modal-conservation": method.free_chain,
 }

@@ -10,7 +10,7 @@ from helpers import page_data
 
 from solar_env.__main__ import main
 from solar_env.array import read_parameters
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import Level
 from solar_env.studies.loads import ensemble
 from solar_env.studies.loads.runs import deploy
 

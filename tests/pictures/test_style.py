@@ -6,7 +6,7 @@ import pytest
 
 import agents
 from solar_env.pictures import style
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import Level
 from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.precision.methods import METHODS
 

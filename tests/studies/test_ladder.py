@@ -9,11 +9,10 @@ import pytest
 from solar_env.__main__ import main
 from solar_env.array import ModelLevel
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, cheapest, read_answers
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import Level
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.ladder import campaign
-from solar_env.studies.ladder.answers import discordant_share, mean_error, ranking_error
-from solar_env.studies.ladder.campaign import CONTROLLERS, deploy
+from solar_env.studies.ladder.campaign import CONTROLLERS, deploy, discordant_share, mean_error, ranking_error
 from solar_env.studies.ladder.plot import conclusion
 from solar_env.support.readme import STUDIES
 

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from solar_env.commands.arguments import WorkerOptions
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.support import campaigns
-from solar_env.support.campaigns import Campaign, Workers, each_done
+from solar_env.support.campaigns import Campaign, each_done
 
 CELLS = [{"x": x} for x in range(4)]
 CALLS: list[int] = []
@@ -36,7 +37,7 @@ def fresh() -> None:
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_every_task_comes_with_its_own_result(jobs: int) -> None:
-    assert sorted((cell["x"], result) for cell, result in each_done(cube, CELLS, Workers(jobs))) == [
+    assert sorted((cell["x"], result) for cell, result in each_done(cube, CELLS, jobs)) == [
         (0, 0), (1, 1), (2, 8), (3, 27),
     ]  # fmt: skip
 
@@ -48,7 +49,7 @@ def fail(_: Any) -> None:
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_the_error_of_a_run_crosses_processes_whole(jobs: int) -> None:
     with pytest.raises(SimulationError, match="at t = 1 s the step shrank") as caught:
-        list(each_done(fail, [1, 2], Workers(jobs)))
+        list(each_done(fail, [1, 2], jobs))
     assert (caught.value.time, caught.value.reason) == (1.0, "step_size")
 
 
@@ -62,13 +63,13 @@ def grow(task: int) -> int:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_results_come_though_a_worker_is_replaced_and_warnings_are_errors() -> None:
-    results = each_done(grow, range(8), Workers(jobs=2))
+    results = each_done(grow, range(8), 2)
     assert sorted(result for _, result in results) == list(range(8))
 
 
 def test_no_process_is_refused() -> None:
     with pytest.raises(ValueError, match="jobs = 0"):
-        Workers(0)
+        WorkerOptions(jobs=0).workers  # noqa: B018
 
 
 def test_an_interrupted_campaign_does_only_what_is_missing(tmp_path: Path) -> None:

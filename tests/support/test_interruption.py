@@ -115,13 +115,13 @@ from pathlib import Path
 from types import SimpleNamespace
 from solar_env import __main__
 from solar_env.commands import table
-from solar_env.support.campaigns import Campaign, Workers
+from solar_env.support.campaigns import Campaign
 
 def nap(cell):
     time.sleep(0.2)
 
 def run(args):
-    list(Campaign(nap, [{"number": number} for number in range(1000)], Path(sys.argv[1])).run(Workers(2)))
+    list(Campaign(nap, [{"number": number} for number in range(1000)], Path(sys.argv[1])).run(2))
 
 table.load = lambda *_: SimpleNamespace(Args=make_dataclass("Args", []), run_command=run)
 sys.exit(__main__.main(["design"]))

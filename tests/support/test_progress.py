@@ -5,8 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
-from solar_env.support.progress import counting_bar, stage
-from solar_env.support.terminal import print_markdown
+from solar_env.support.progress import counting_bar, print_markdown, stage
 
 
 @pytest.mark.parametrize("options", [{}, {"quiet": True}, {"force_terminal": True, "force_interactive": True}])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from solar_env.mechanics.mechanism.beams import Beam
+from solar_env.verification.beams.theory import FineBeam
 from solar_env.verification.panels.struck import Impact, struck_bar, struck_beam
-from solar_env.verification.panels.theory import FineBeam
 
 LENGTH, MASS, STIFFNESS = 2.0, 3.0, 50.0
 BEAM = Beam(LENGTH, MASS / LENGTH, STIFFNESS, STIFFNESS)

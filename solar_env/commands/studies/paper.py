@@ -7,9 +7,8 @@ from typing import Any
 from solar_env.commands.study import Args
 from solar_env.support.campaigns import each_done
 from solar_env.support.files import write_text
-from solar_env.support.progress import counting_bar
+from solar_env.support.progress import counting_bar, print_markdown
 from solar_env.support.readme import STUDIES, Section
-from solar_env.support.terminal import print_markdown
 
 OPTIONS = ("only", "out", "readme", "jobs")
 FOLDER = STUDIES / "paper"

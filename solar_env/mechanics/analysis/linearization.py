@@ -12,7 +12,7 @@ from scipy.linalg import eigh, null_space
 
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.newton import assemble, linearize_forces
-from solar_env.mechanics.equations.system import Workspace, accelerations, add_mass_products, make_workspace
+from solar_env.mechanics.equations.system import Workspace, accelerations, make_workspace
 from solar_env.mechanics.integrators.methods.generalized_alpha import Iteration, fill_residual, make_iteration
 from solar_env.mechanics.mechanism import Mechanism
 from solar_env.mechanics.numerics.profile import dense
@@ -66,22 +66,6 @@ class NewtonEquations:
         assemble(model, it.q, it.multipliers, self.work.row_value, it.newton, (0.0, 0.0, 1.0))
         return dense(model.elimination, it.newton.matrix)
 
-    def damping(self) -> Matrix:
-        """(n, n) minus the slope of the forces by velocities. Call `residual` before."""
-        it, model, n = self.iteration, self.model, self.iteration.q.size
-        linearize_forces(model, self.state.joints, it.q, it.v, it.newton)
-        return dense(model.elimination, it.newton.damping)[:n, :n]
-
-    def mass(self) -> Matrix:
-        """(n, n); zero for the coordinates of fixed bodies."""
-        n = self.iteration.q.size
-        matrix = np.zeros((n, n))
-        for k in self.moving[self.moving < n]:
-            unit = np.zeros(n)
-            unit[k] = 1.0
-            add_mass_products(self.model, unit, matrix[k])
-        return matrix
-
 
 def linearize(mechanism: Mechanism) -> Linearization:
     """Linearize a mechanism about its initial state.
@@ -99,7 +83,8 @@ def linearize(mechanism: Mechanism) -> Linearization:
     bordered = equations.matrix(model)
     n = state.q.size
     rows = equations.moving[equations.moving >= n]
-    return Linearization(equations.mass(), equations.damping(), bordered[:n, :n], bordered[rows, :n])
+    mass, damping = (dense(model.elimination, part)[:n, :n] for part in (it.newton.mass, it.newton.damping))
+    return Linearization(mass, damping, bordered[:n, :n], bordered[rows, :n])
 
 
 def natural_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:

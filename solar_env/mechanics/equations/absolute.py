@@ -7,17 +7,11 @@ import numpy as np
 from solar_env.mechanics.arrays.model import ENERGIES, Model, State
 from solar_env.mechanics.bodies.kinds import KINDS
 from solar_env.mechanics.bodies.markers import direction
+from solar_env.mechanics.equations import system
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.equations.constraints import constraint_drift, velocity_drift
 from solar_env.mechanics.equations.formulation import Array, Formulation, JointView
-from solar_env.mechanics.equations.system import (
-    Workspace,
-    accelerations,
-    add_mass_products,
-    applied_forces,
-    make_workspace,
-    stored_energies,
-)
+from solar_env.mechanics.equations.system import Workspace, make_workspace
 from solar_env.mechanics.joints.joint import joint_motion, relative
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.numerics.jit import kernel
@@ -58,7 +52,7 @@ class AbsoluteCoordinates(Formulation):
     def stored_energies(self, model: Model, state: State) -> Array:
         """See `Formulation.stored_energies`."""
         energies = np.zeros(ENERGIES)
-        stored_energies(model, state.joints, state.q, state.v, self.joint_loads(model, state), energies)
+        system.stored_energies(model, state.joints, state.q, state.v, self.joint_loads(model, state), energies)
         return energies
 
     def greatest_weight(self, model: Model) -> float:
@@ -68,7 +62,7 @@ class AbsoluteCoordinates(Formulation):
     def momenta(self, model: Model, state: State) -> Array:
         """Return the products of the generalized momentum with the three rigid motions of the mechanism."""
         momentum = np.zeros_like(state.v)
-        add_mass_products(model, state.v, momentum)
+        system.add_mass_products(model, state.v, momentum)
         motions = np.zeros((3, state.q.size))
         for row in model.bodies:
             of_body = slice(row["offset"], row["offset"] + row["coordinates"])
@@ -91,7 +85,7 @@ class AbsoluteCoordinates(Formulation):
         work, multipliers = _evaluate(model, state)
         scale = np.ones_like(multipliers)
         scale[model.constraints.target.size :] = model.bodies["length"]
-        applied_forces(model, state.joints, state.q, state.v, work)
+        system.applied_forces(model, state.joints, state.q, state.v, work)
         largest = max(np.abs(scale * multipliers).max(initial=0.0), np.abs(work.force).max(initial=0.0))
         return float(np.abs(scale * (state.multipliers - multipliers)).max(initial=0.0)), float(largest)
 
@@ -101,5 +95,5 @@ def _evaluate(model: Model, state: State) -> tuple[Workspace, Array]:
     work = make_workspace(model, state)
     work.impact_speeds[:] = np.where(state.joints["in_contact"], state.joints["impact_speed"], 0.0)
     scratch, multipliers = np.zeros_like(state.a), np.zeros_like(state.multipliers)
-    accelerations(model, state.joints, state.q, state.v, state.clock["time"][0], work, scratch, multipliers)
+    system.accelerations(model, state.joints, state.q, state.v, state.clock["time"][0], work, scratch, multipliers)
     return work, multipliers

@@ -33,14 +33,11 @@ def fill_joint(record: np.void, joint: Joint) -> None:
 
 def fill_bearing(record: np.void, bearing: Bearing) -> None:
     """Fill what the row of a joint with clearance holds of its bearing and of the laws of contact and friction."""
-    record["clearance"] = bearing.clearance
-    record["journal_radius"] = bearing.journal_radius
+    for name in ("clearance", "journal_radius", "minimum_impact_speed", "friction_coefficient", "wear_coefficient"):
+        record[name] = getattr(bearing, name)
     record["contact"] = bearing.contact.parameters()
-    record["minimum_impact_speed"] = bearing.minimum_impact_speed
-    record["friction_coefficient"] = bearing.friction_coefficient
     record["friction_speed_zero"], record["friction_speed_full"] = bearing.friction_speeds
     record["sliding"] = SLIDING_READINGS.index(bearing.sliding)
-    record["wear_coefficient"] = bearing.wear_coefficient
     record["bearing_width"] = bearing.width
 
 

@@ -11,51 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.columns import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    FORCE_X,
-    FORCE_Y,
-    LOAD_COLUMNS,
-    NORMAL,
-    TANGENTIAL,
-)
-from solar_env.mechanics.arrays.model import (
-    CABLE,
-    CLEARANCE,
-    CONTACT,
-    ELASTIC,
-    EXTERNAL_WORK,
-    GRAVITY,
-    IDEAL,
-    IMPULSE,
-    INTEGRALS_PER_JOINT,
-    KINETIC,
-    MATERIAL_DISSIPATION,
-    Model,
-    State,
-)
+from solar_env.mechanics.arrays import columns
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.model import Model, State
+from solar_env.mechanics.bodies import dispatch
 from solar_env.mechanics.bodies.cable_element.forces import LANES, TABLE_ROWS
-from solar_env.mechanics.bodies.dispatch import (
-    add_internal_forces,
-    add_mass_product,
-    elastic_energy,
-    kinetic_energy,
-    solve_body,
-)
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, spin
-from solar_env.mechanics.equations.constraints import (
-    add_columns,
-    add_row,
-    build_schur,
-    drive_angle,
-    drive_motion,
-    fill_columns,
-    row_product,
-    set_drive_rows,
-    subtract_response,
-)
+from solar_env.mechanics.equations import constraints
 from solar_env.mechanics.joints.cable_loop import belt_loads, wheel_motion
 from solar_env.mechanics.joints.contact import contact_energy
 from solar_env.mechanics.joints.joint import joint_forces
@@ -68,16 +30,16 @@ class Workspace(NamedTuple):
     """Scratch arrays of one evaluation; nothing in them outlives a step."""
 
     force: NDArray[np.float64]  # (n,)
-    loads: NDArray[np.float64]  # (joints, LOAD_COLUMNS)
+    loads: NDArray[np.float64]  # (joints, columns.LOAD_COLUMNS)
     power: NDArray[np.float64]  # (integrals,)
     impact_speeds: NDArray[np.float64]  # (joints,)
-    row_value: NDArray[np.float64]  # (m, ROW_ENTRIES) linear constraint rows at the present time
-    columns: NDArray[np.float64]  # (m, n) inverse mass matrix times rows
-    free_schur: NDArray[np.float64]  # (m, m) rows times columns
-    stretch: NDArray[np.float64]  # (m, 2, 2) stretch of a row's two bodies by its column
-    pull: NDArray[np.float64]  # (m, 2) that stretch along the body, at the present configuration
-    schur: NDArray[np.float64]  # (m, m) compliance of the rows, factored
-    residual: NDArray[np.float64]  # (m,)
+    row_value: NDArray[np.float64]  # (rows, ROW_ENTRIES) linear constraint rows at the present time
+    columns: NDArray[np.float64]  # (rows, n) inverse mass matrix times rows
+    free_schur: NDArray[np.float64]  # (rows, rows) rows times columns
+    stretch: NDArray[np.float64]  # (rows, 2, 2) stretch of a row's two bodies by its column
+    pull: NDArray[np.float64]  # (rows, 2) that stretch along the body, at the present configuration
+    schur: NDArray[np.float64]  # (rows, rows) compliance of the rows, factored
+    residual: NDArray[np.float64]  # (rows,)
     row_force: NDArray[np.float64]  # (n,)
     solution: NDArray[np.float64]  # (n,)
     element_table: NDArray[np.float64]  # (TABLE_ROWS * LANES,)
@@ -85,24 +47,24 @@ class Workspace(NamedTuple):
 
 def make_workspace(model: Model, state: State) -> Workspace:
     """Allocate the scratch arrays for a model."""
-    n, m, joints = state.q.size, model.constraints.size.size, model.joints.size
+    n, rows, joints = state.q.size, model.constraints.size.size, model.joints.size
     work = Workspace(
         force=np.zeros(n),
-        loads=np.zeros((joints, LOAD_COLUMNS)),
+        loads=np.zeros((joints, columns.LOAD_COLUMNS)),
         power=np.zeros(state.integrals.size),
         impact_speeds=np.zeros(joints),
         row_value=model.constraints.value.copy(),
-        columns=np.zeros((m, n)),
-        free_schur=np.zeros((m, m)),
-        stretch=np.zeros((m, 2, 2)),
-        pull=np.zeros((m, 2)),
-        schur=np.zeros((m, m)),
-        residual=np.zeros(m),
+        columns=np.zeros((rows, n)),
+        free_schur=np.zeros((rows, rows)),
+        stretch=np.zeros((rows, 2, 2)),
+        pull=np.zeros((rows, 2)),
+        schur=np.zeros((rows, rows)),
+        residual=np.zeros(rows),
         row_force=np.zeros(n),
         solution=np.zeros(n),
         element_table=np.zeros(TABLE_ROWS * LANES),
     )
-    fill_columns(model, work, False)
+    constraints.fill_columns(model, work, False)
     return work
 
 
@@ -110,24 +72,24 @@ def make_workspace(model: Model, state: State) -> Workspace:
 def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     """Correct the accelerations for the linear constraints; False if they are redundant."""
     bodies, force = model.bodies, work.force
-    m = work.schur.shape[0]
+    rows = work.schur.shape[0]
     if model.drives.size > 0:
-        set_drive_rows(model, time, work.row_value)
-    if not build_schur(model, q, work):
+        constraints.set_drive_rows(model, time, work.row_value)
+    if not constraints.build_schur(model, q, work):
         return False
-    for r in range(m):
-        multipliers[r] = row_product(model, work, r, a)
+    for r in range(rows):
+        multipliers[r] = constraints.row_product(model, work, r, a)
     for k in range(model.drives.size):
         drive = model.drives[k]
-        _, bias = drive_motion(model, drive, time, q, v)
+        _, bias = constraints.drive_motion(model, drive, time, q, v)
         multipliers[drive.row] += bias
-    cholesky_solve(work.schur, m, multipliers)
-    for r in range(m):
-        add_row(model, work, r, -multipliers[r], force)
-    add_columns(model, work, multipliers, a)
+    cholesky_solve(work.schur, rows, multipliers)
+    for r in range(rows):
+        constraints.add_row(model, work, r, -multipliers[r], force)
+    constraints.add_columns(model, work, multipliers, a)
     for b in range(bodies.size):
         if bodies[b].constraints:
-            multipliers[m + b] = solve_body(bodies[b], model.body_constants, q, v, force, a, 1.0)
+            multipliers[rows + b] = dispatch.solve_body(bodies[b], model.body_constants, q, v, force, a, 1.0)
     store_constraint_loads(model, multipliers, time, q, work)
     return True
 
@@ -135,15 +97,15 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
 @kernel
 def acceleration_response(model, q, work, force, a):
     """Write to `a` (n,) what a generalized `force` (n,) adds to the accelerations."""
-    m = work.schur.shape[0]
+    rows = work.schur.shape[0]
     for b in range(model.bodies.size):
-        solve_body(model.bodies[b], model.body_constants, q, q, force, a, 0.0)
-    if m == 0:
+        dispatch.solve_body(model.bodies[b], model.body_constants, q, q, force, a, 0.0)
+    if rows == 0:
         return
-    for r in range(m):
-        work.residual[r] = row_product(model, work, r, a)
-    cholesky_solve(work.schur, m, work.residual)
-    subtract_response(model, q, work, work.residual, a)
+    for r in range(rows):
+        work.residual[r] = constraints.row_product(model, work, r, a)
+    cholesky_solve(work.schur, rows, work.residual)
+    constraints.subtract_response(model, q, work, work.residual, a)
 
 
 @kernel
@@ -156,8 +118,8 @@ def applied_forces(model, joint_states, q, v, work):
         marker = model.markers[loads[k].marker]
         add_torque(marker, q, loads[k].torque, force)
         external += loads[k].torque * spin(marker, q, v)
-    power[power.size + EXTERNAL_WORK] = external
-    power[power.size + MATERIAL_DISSIPATION] = add_internal_forces(model, q, v, force, work.element_table)
+    power[power.size + m.EXTERNAL_WORK] = external
+    power[power.size + m.MATERIAL_DISSIPATION] = dispatch.add_internal_forces(model, q, v, force, work.element_table)
     joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
@@ -168,11 +130,11 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
     `multipliers` receives those of the linear rows, then one per body for its length.
     """
     force = work.force
-    m = work.residual.size
+    rows = work.residual.size
     applied_forces(model, joint_states, q, v, work)
     for b in range(model.bodies.size):
-        multipliers[m + b] = solve_body(model.bodies[b], model.body_constants, q, v, force, a, 1.0)
-    if m == 0:
+        multipliers[rows + b] = dispatch.solve_body(model.bodies[b], model.body_constants, q, v, force, a, 1.0)
+    if rows == 0:
         return True
     return apply_linear_constraints(model, q, v, time, work, a, multipliers)
 
@@ -188,27 +150,27 @@ def store_constraint_loads(model, multipliers, time, q, work):
     """Enter the multipliers of ideal joints as joint forces, and add the drives' power."""
     for j in range(model.joints.size):
         joint = model.joints[j]
-        if joint.kind == IDEAL and joint.row >= 0:
+        if joint.kind == m.IDEAL and joint.row >= 0:
             fx, fy = -multipliers[joint.row], -multipliers[joint.row + 1]
-            work.loads[j, FORCE_X] = fx
-            work.loads[j, FORCE_Y] = fy
-            work.loads[j, NORMAL] = math.sqrt(fx * fx + fy * fy)
-            work.loads[j, TANGENTIAL] = 0.0
-            work.power[INTEGRALS_PER_JOINT * j + IMPULSE] = work.loads[j, NORMAL]
+            work.loads[j, columns.FORCE_X] = fx
+            work.loads[j, columns.FORCE_Y] = fy
+            work.loads[j, columns.NORMAL] = math.sqrt(fx * fx + fy * fy)
+            work.loads[j, columns.TANGENTIAL] = 0.0
+            work.power[m.INTEGRALS_PER_JOINT * j + m.IMPULSE] = work.loads[j, columns.NORMAL]
     drive_power = 0.0
     for k in range(model.drives.size):
         drive = model.drives[k]
         dx, dy = direction(model.markers[drive.marker], q)
-        psi, rate, _ = drive_angle(drive, time)
+        psi, rate, _ = constraints.drive_angle(drive, time)
         drive_power -= multipliers[drive.row] * (dx * math.cos(psi) + dy * math.sin(psi)) * rate
-    work.power[work.power.size + EXTERNAL_WORK] += drive_power
+    work.power[work.power.size + m.EXTERNAL_WORK] += drive_power
 
 
 @kernel(inlined=False)
 def add_mass_products(model, a, out):
     """Add M a to `out` (n,); nothing for fixed bodies."""
     for body in model.bodies:
-        add_mass_product(body, model.body_constants, a, out)
+        dispatch.add_mass_product(body, model.body_constants, a, out)
 
 
 @kernel(inlined=False)
@@ -216,23 +178,23 @@ def stored_energies(model, joint_states, q, v, loads, energies):
     """Fill the stored energies [J] at a configuration whose `loads` are current."""
     energies[:] = 0.0
     for body in model.bodies:
-        energies[KINETIC] += kinetic_energy(body, model.body_constants, v)
-    energies[ELASTIC] = elastic_energy(model.bodies, q)
+        energies[m.KINETIC] += dispatch.kinetic_energy(body, model.body_constants, v)
+    energies[m.ELASTIC] = dispatch.elastic_energy(model.bodies, q)
     for i in range(q.size):
-        energies[GRAVITY] -= model.constant_force[i] * q[i]
+        energies[m.GRAVITY] -= model.constant_force[i] * q[i]
     for j in range(model.joints.size):
         joint = model.joints[j]
-        add_torque_energies(joint, joint_states[j], loads[j, ANGLE], energies)
-        if joint.kind == CLEARANCE:
-            depth = math.hypot(loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]) - joint.clearance
+        add_torque_energies(joint, joint_states[j], loads[j, columns.ANGLE], energies)
+        if joint.kind == m.CLEARANCE:
+            depth = math.hypot(loads[j, columns.ECCENTRICITY_X], loads[j, columns.ECCENTRICITY_Y]) - joint.clearance
             if depth > 0.0:
-                energies[CONTACT] += contact_energy(joint, depth)
+                energies[m.CONTACT] += contact_energy(joint, depth)
     for c in range(model.cables.size):
         cable = model.cables[c]
-        angles = loads[cable.joint_a, ANGLE], loads[cable.joint_b, ANGLE]
+        angles = loads[cable.joint_a, columns.ANGLE], loads[cable.joint_b, columns.ANGLE]
         stretch, length = wheel_motion(cable, model.joints, model.markers, q, angles[0], angles[1])
         _, _, energy, _, _, _ = belt_loads(cable, stretch, length)
-        energies[CABLE] += energy
+        energies[m.CABLE] += energy
 
 
 @kernel(inlined=False)
@@ -241,7 +203,7 @@ def normal_inverse_mass(model, q, v, j, work):
     joint = model.joints[j]
     total = 0.0
     # Approximated by the two bodies alone: what else hangs on them moves only after the contact's onset.
-    dx, dy = work.loads[j, ECCENTRICITY_X], work.loads[j, ECCENTRICITY_Y]
+    dx, dy = work.loads[j, columns.ECCENTRICITY_X], work.loads[j, columns.ECCENTRICITY_Y]
     size = math.hypot(dx, dy)
     nx, ny = (dx / size, dy / size) if size > 0.0 else (1.0, 0.0)
     for side in range(2):
@@ -252,7 +214,7 @@ def normal_inverse_mass(model, q, v, j, work):
         for i in range(body.offset, body.offset + body.coordinates):
             work.row_force[i] = 0.0
         add_point_force(marker, nx, ny, work.row_force)
-        solve_body(body, model.body_constants, q, v, work.row_force, work.solution, 0.0)
+        dispatch.solve_body(body, model.body_constants, q, v, work.row_force, work.solution, 0.0)
         for i in range(body.offset, body.offset + body.coordinates):
             total += work.row_force[i] * work.solution[i]
     return total

@@ -6,16 +6,9 @@ All quantities in SI units; angles in rad; counter-clockwise positive. Bad param
 import math
 from dataclasses import dataclass, field
 
-from solar_env.mechanics.bodies.description import GROUND as GROUND
-from solar_env.mechanics.bodies.description import AnyBody as AnyBody
-from solar_env.mechanics.bodies.description import Body as Body
-from solar_env.mechanics.bodies.description import FlexibleBody as FlexibleBody
-from solar_env.mechanics.bodies.description import ModalPanel as ModalPanel
-from solar_env.mechanics.bodies.description import Point as Point
+from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, FlexibleBody, ModalPanel, Point  # noqa: F401
 from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw
-from solar_env.mechanics.numerics.checks import require as _require
-from solar_env.mechanics.numerics.checks import require_finite as _require_finite
-from solar_env.mechanics.numerics.checks import require_signs as _require_signs
+from solar_env.mechanics.numerics.checks import require, require_finite, require_signs
 
 
 @dataclass(frozen=True)
@@ -26,8 +19,8 @@ class Spring:
     preload_angle: float
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        _require_signs(self, not_negative=("stiffness",))
+        require_finite(self)
+        require_signs(self, not_negative=("stiffness",))
 
 
 @dataclass(frozen=True)
@@ -49,9 +42,9 @@ class Stop:
     damping: float
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        _require_signs(self, positive=("stiffness", "ramp_depth"), not_negative=("gap", "damping"))
-        _require(self.exponent >= 1.0, self, "exponent", self.exponent, "must be at least 1")
+        require_finite(self)
+        require_signs(self, positive=("stiffness", "ramp_depth"), not_negative=("gap", "damping"))
+        require(self.exponent >= 1.0, self, "exponent", self.exponent, "must be at least 1")
 
 
 @dataclass(frozen=True)
@@ -83,12 +76,12 @@ class Bearing:
     width: float = 1.0
 
     def __post_init__(self) -> None:
-        _require_finite(self)
+        require_finite(self)
         positive = ("clearance", "journal_radius", "minimum_impact_speed", "width")
-        _require_signs(self, positive, not_negative=("friction_coefficient", "wear_coefficient"))
+        require_signs(self, positive, not_negative=("friction_coefficient", "wear_coefficient"))
         zero, full = self.friction_speeds
-        _require(0.0 <= zero < full, self, "friction_speeds", self.friction_speeds, "must satisfy 0 <= first < second")
-        _require(self.sliding in SLIDING_READINGS, self, "sliding", self.sliding, f"must be one of {SLIDING_READINGS}")
+        require(0.0 <= zero < full, self, "friction_speeds", self.friction_speeds, "must satisfy 0 <= first < second")
+        require(self.sliding in SLIDING_READINGS, self, "sliding", self.sliding, f"must be one of {SLIDING_READINGS}")
 
 
 @dataclass(frozen=True)
@@ -124,12 +117,12 @@ class Joint:
     stow_angle: float | None = None
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        _require(self.sign in (1, -1), self, "sign", self.sign, "must be +1 or -1")
-        _require(self.inboard != self.outboard, self, "outboard", self.outboard, "must differ from the inboard body")
+        require_finite(self)
+        require(self.sign in (1, -1), self, "sign", self.sign, "must be +1 or -1")
+        require(self.inboard != self.outboard, self, "outboard", self.outboard, "must differ from the inboard body")
         if self.stop is None:
             for name in ("lock_angle", "stow_angle"):
-                _require(getattr(self, name) is None, self, name, getattr(self, name), "needs a stop")
+                require(getattr(self, name) is None, self, name, getattr(self, name), "needs a stop")
 
 
 @dataclass(frozen=True)
@@ -161,11 +154,11 @@ class CableLoop:
     wheel_radius: float | None = None
 
     def __post_init__(self) -> None:
-        _require_finite(self, "preload_torque")
-        _require_signs(self, ("wheel_ratio",), not_negative=("stiffness", "torque_ratio", "preload_torque"))
+        require_finite(self, "preload_torque")
+        require_signs(self, ("wheel_ratio",), not_negative=("stiffness", "torque_ratio", "preload_torque"))
         if self.wheel_radius is not None:
-            _require_signs(self, ("wheel_radius", "stiffness"))
-            _require(math.isfinite(self.preload_torque), self, "preload_torque", self.preload_torque, "must be finite")
+            require_signs(self, ("wheel_radius", "stiffness"))
+            require(math.isfinite(self.preload_torque), self, "preload_torque", self.preload_torque, "must be finite")
 
 
 @dataclass(frozen=True)
@@ -191,8 +184,8 @@ class Drive:
     point: Point = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        _require_signs(self, not_negative=("ramp_time",))
+        require_finite(self)
+        require_signs(self, not_negative=("ramp_time",))
 
 
 @dataclass(frozen=True)
@@ -212,7 +205,7 @@ class Load:
     torque: float = 0.0
 
     def __post_init__(self) -> None:
-        _require_finite(self)
+        require_finite(self)
 
 
 @dataclass(frozen=True)
@@ -231,24 +224,24 @@ class Mechanism:
     wear_bins: int = field(default=1)
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        _require(len(self.bodies) > 0, self, "bodies", self.bodies, "must hold at least one body")
-        _require(self.wear_bins >= 1, self, "wear_bins", self.wear_bins, "must be at least 1")
+        require_finite(self)
+        require(len(self.bodies) > 0, self, "bodies", self.bodies, "must hold at least one body")
+        require(self.wear_bins >= 1, self, "wear_bins", self.wear_bins, "must be at least 1")
         for label, parts in (("bodies", self.bodies), ("joints", self.joints)):
             names = [part.name for part in parts]
-            _require(len(set(names)) == len(names), self, label, names, "names must be unique")
+            require(len(set(names)) == len(names), self, label, names, "names must be unique")
         known = {body.name for body in self.bodies} | {GROUND}
         for joint in self.joints:
             for side in (joint.inboard, joint.outboard):
-                _require(side in known, joint, "body", side, f"is not a body of the mechanism {sorted(known)}")
+                require(side in known, joint, "body", side, f"is not a body of the mechanism {sorted(known)}")
         attached: list[Drive | Load] = [*self.drives, *self.loads]
         for part in attached:
-            _require(part.body != GROUND, part, "body", part.body, "does not move; attach to a body")
-            _require(part.body in known, part, "body", part.body, f"is not a body of the mechanism {sorted(known)}")
+            require(part.body != GROUND, part, "body", part.body, "does not move; attach to a body")
+            require(part.body in known, part, "body", part.body, f"is not a body of the mechanism {sorted(known)}")
         by_name = {joint.name: joint for joint in self.joints}
         for cable in self.cables:
             for name in (cable.joint_a, cable.joint_b):
-                _require(name in by_name, cable, "joint", name, f"is not a joint of the mechanism {sorted(by_name)}")
+                require(name in by_name, cable, "joint", name, f"is not a joint of the mechanism {sorted(by_name)}")
             carrier = by_name[cable.joint_a].outboard
             rule = f"must have {carrier!r}, the outboard body of {cable.joint_a!r}, as its inboard body"
-            _require(by_name[cable.joint_b].inboard == carrier, cable, "joint_b", cable.joint_b, rule)
+            require(by_name[cable.joint_b].inboard == carrier, cable, "joint_b", cable.joint_b, rule)

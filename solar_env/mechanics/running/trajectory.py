@@ -15,7 +15,7 @@ from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import TORQUES
 from solar_env.mechanics.equations.formulation import ModelArrays, StateArrays
-from solar_env.mechanics.records.recording import Recorder, sample_columns
+from solar_env.mechanics.records.recording import CONTACT_FIELDS, Recorder, sample_columns
 from solar_env.support.files import writing
 from solar_env.support.plain_arrays import MOST_BYTES, parse_json, read_arrays
 
@@ -27,17 +27,8 @@ _COUNTS = ("steps", "rejected_steps", "evaluations", "factorizations", "stabilit
 # Entries of the metadata that a summary shows.
 _COSTS_AND_LIMITS = (*_COUNTS, "slow_contacts", "creeping_share", "wall_time_s")
 
-contact_record = np.dtype(
-    [
-        ("joint", np.int64),
-        ("start_s", np.float64),
-        ("end_s", np.float64),  # nan while the contact lasts
-        ("impact_speed", np.float64),
-        ("peak_force", np.float64),
-        ("impulse", np.float64),
-        ("sliding_work", np.float64),
-    ]
-)
+# The end of a contact is nan while it lasts.
+contact_record = np.dtype([(name, np.int64 if name == "joint" else np.float64) for name in CONTACT_FIELDS])
 
 
 @dataclass(frozen=True)

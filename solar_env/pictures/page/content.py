@@ -45,7 +45,6 @@ class Line:
         x, y: (n,); of charts round a bearing x is an angle [deg].
         colour: "#rrggbb".
         dash: "solid", "dash" or "dot".
-        marks: whether points are drawn instead of a line.
     """
 
     name: str
@@ -53,7 +52,6 @@ class Line:
     y: Array
     colour: str
     dash: str = "solid"
-    marks: bool = False
 
 
 @dataclass(frozen=True, eq=False)

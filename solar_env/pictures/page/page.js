@@ -135,8 +135,7 @@ class ChartView {
   plotLines() {
     const chart = this.chart;
     const traces = chart.lines.map((line) => {
-      const look = line.marks ? { mode: "markers", marker: { color: line.colour, size: 4 } }
-        : { mode: "lines", line: { color: line.colour, dash: line.dash, width: 1.4 } };
+      const look = { mode: "lines", line: { color: line.colour, dash: line.dash, width: 1.4 } };
       return chart.polar ? { type: "scatterpolar", name: line.name, theta: line.x, r: line.y, ...look }
         : { type: "scatter", name: line.name, x: line.x, y: line.y, ...look };
     });

@@ -13,6 +13,7 @@ from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.page.content import Chart, Line, Motion, Table
+from solar_env.pictures.plots import DISSIPATED, STORED
 from solar_env.pictures.style import COLOURS, FORCE_DECADES, controller_looks
 
 Array = NDArray[np.float64]
@@ -24,8 +25,6 @@ _SLOW, _FAST, _MARGIN = 0.05, 0.005, 0.1
 _WINDOW = 0.2  # over which a line of several deployments takes its greatest [s]
 _FEMTOMETRES = 1e15  # in a metre
 _DASHES = ("solid", "dash", "dot")
-_STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
-_LOST = ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
 
 
 def shown_samples(trajectory: Trajectory) -> Samples:
@@ -63,7 +62,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
     return Motion(
         name=name,
         time=trajectory.time[kept],
-        body=np.array([main_body_corners(parameters, ends) for ends in axes[0]]),
+        body=main_body_corners(parameters, axes[0]),
         panels=axes[1:],
         eccentricity=trajectory.eccentricity[kept] / np.where(clearance > 0.0, clearance, np.inf)[:, None],
         clearance=clearance,
@@ -164,7 +163,7 @@ def greatest_in_windows(time: Array, values: Array) -> tuple[Array, Array]:
 def _energies(trajectory: Trajectory, kept: Samples) -> Array:
     """(kept, 4) kinetic energy, that of the springs, all that is stored, and what is lost [J]."""
     energies = trajectory.energies
-    stored, lost = (np.sum([energies[part] for part in parts], axis=0) for parts in (_STORED, _LOST))
+    stored, lost = (np.sum([energies[part] for part in parts], axis=0) for parts in (STORED, DISSIPATED))
     return np.column_stack([energies["kinetic"], energies["spring"], stored, lost])[kept]
 
 

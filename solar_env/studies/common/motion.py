@@ -1,4 +1,4 @@
-"""Scenes that studies simulate, motions (the record of a run, whichever program made it), and their errors."""
+"""Scenes and levels that studies simulate, motions (the record of a run, whichever program made it), their errors."""
 
 import math
 import warnings
@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import RELEASE_RATE, ArrayParameters, ModelLevel, build
-from solar_env.mechanics.integrators.settings import Integrator
-from solar_env.mechanics.mechanism import Mechanism
+from solar_env.array import RELEASE_RATE, ArrayParameters, ModelLevel, build, default_integrator
+from solar_env.array.deployment import simulate as simulate_array
+from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -29,10 +29,6 @@ class Scene:
     duration: float  # s
     sample_step: float  # distance of the sampled angles [s]
     forces_kept: bool = False  # whether programs that sample peak contact forces must do so at every step
-
-    def mechanism(self) -> Mechanism:
-        """The array as our simulator takes it."""
-        return build(self.parameters, self.model)
 
     @property
     def level(self) -> ModelLevel:
@@ -92,6 +88,57 @@ def _deviations(member: int, count: int, stream: int = 0) -> Array:
     return np.random.default_rng([member, stream]).uniform(-1.0, 1.0, count) * (member > 0)
 
 
+@dataclass(frozen=True)
+class Level:
+    """A level of the model, simulated with its default integrator.
+
+    Attributes:
+        model: the level as a word, see `ModelLevel`.
+        tighter: what the tolerance of the integrator is divided by.
+    """
+
+    model: str
+    tighter: float = 1.0
+
+    @property
+    def size(self) -> str:
+        """Panels and tolerance in words: "rigid", "6 elements", "32 modes, rtol / 4"."""
+        return self.panels.size if self.tighter == 1.0 else f"{self.panels.size}, rtol / {self.tighter:g}"
+
+    @property
+    def panels(self) -> ModelLevel:
+        """The word's parts."""
+        return ModelLevel.of(self.model)
+
+    @property
+    def name(self) -> str:
+        """The level in words."""
+        return f"{self.panels.name}, {self.size}" if self.panels.flexible else self.panels.name
+
+    def integrator(self, member: int = 0) -> RungeKutta:
+        """The integrator of a member of an ensemble."""
+        default = default_integrator(self.model)
+        return replace(default, rtol=perturbed_setting(default.rtol, member) / self.tighter)
+
+    def deploy(self, parameters: ArrayParameters, member: int, duration: float, output_step: float) -> Trajectory:
+        """Simulate a member of an ensemble of deployments, see `perturbed`.
+
+        Raises:
+            SimulationError: if the run cannot go on.
+        """
+        return simulate_array(
+            perturbed(parameters, member),
+            model=self.model,
+            duration=duration,
+            integrator=self.integrator(member),
+            output_step=output_step,
+        )
+
+
+FINEST = Level("flexible-clearance:48 modes", tighter=10.0)
+"""Finer than all levels of the ladder; beams come down to it with 48 elements."""
+
+
 def run_ours(scene: Scene, integrator: Integrator) -> Motion:
     """A scene with one of our integrators.
 
@@ -100,7 +147,8 @@ def run_ours(scene: Scene, integrator: Integrator) -> Motion:
     """
     with warnings.catch_warnings():  # what the library warns of is measured here
         warnings.simplefilter("ignore", SimulationWarning)
-        trajectory = simulate(scene.mechanism(), scene.duration, integrator=integrator, output_step=scene.sample_step)
+        array = build(scene.parameters, scene.model)
+        trajectory = simulate(array, scene.duration, integrator=integrator, output_step=scene.sample_step)
     return from_trajectory(trajectory)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from rich.console import Console
 
 from solar_env.array import ArrayParameters
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import Level
 from solar_env.studies.common.tables import Row
-from solar_env.support.campaigns import Campaign, Cell, Workers
+from solar_env.support.campaigns import Campaign, Cell
 
 FILE = "design.csv"
 STORE = "design.jsonl"
@@ -66,7 +66,7 @@ def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
     }
 
 
-def measure_design(preset: str, members: int, workers: Workers, folder: Path, console: Console) -> list[Row]:
+def measure_design(preset: str, members: int, workers: int, folder: Path, console: Console) -> list[Row]:
     """Measure both maps, going on where an earlier run of the same maps stopped; returns a row for each cell.
 
     Raises:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from solar_env.array import ArrayParameters
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import Level
 from solar_env.studies.common.tables import Row
-from solar_env.support.campaigns import ONE, Workers, each_done
+from solar_env.support.campaigns import each_done
 from solar_env.support.progress import counting_bar
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ class Deployment:
     force_error: Array
 
 
-def measure_ground_tests(preset: str, deployments: int, workers: Workers, console: Console) -> list[Row]:
+def measure_ground_tests(preset: str, deployments: int, workers: int, console: Console) -> list[Row]:
     """Simulate a campaign; returns a row for each deployment simulated."""
     parameters, rows = replace(ArrayParameters.preset(preset), wear_coefficient=WEAR_COEFFICIENT), []
     with counting_bar(console) as bar:
@@ -57,7 +57,7 @@ def measure_ground_tests(preset: str, deployments: int, workers: Workers, consol
 
 
 def wear_campaign(
-    parameters: ArrayParameters, deployments: int, growth: float, members: int, workers: Workers = ONE
+    parameters: ArrayParameters, deployments: int, growth: float, members: int, workers: int = 1
 ) -> Iterator[Deployment]:
     """Simulate a campaign, and yield every simulated deployment.
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, ModelLevel, ParameterFile
-from solar_env.studies.common.levels import FINEST, Level
+from solar_env.studies.common.motion import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
 from solar_env.studies.loads.runs import deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, figure_of
-from solar_env.support.campaigns import Campaign, Cell, Workers
+from solar_env.support.campaigns import Campaign, Cell
 
 Array = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ class Loads:
     warnings: Mapping[str, int]  # text -> in how many runs the simulator said it
 
 
-def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Console) -> Loads:
+def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
     """Run what is missing of the ensemble, going on where an earlier run of the same plan stopped.
 
     Raises:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
+from solar_env.array.construction import main_body_frame
 from solar_env.array.data_files import write_columns
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.equations.formulation import ModelArrays
@@ -22,11 +23,7 @@ _SHIFT = 1e-6  # s, to either side of a sample; the coordinates of a rigid body 
 
 def hub_place(parameters: ArrayParameters, model: ModelArrays, q: Array) -> Array:
     """(nt, 3) place of the centroid [m] and angle of the hub [rad], between -pi and pi."""
-    ends = centreline(model, q, 0)
-    along = ends[:, 1] - ends[:, 0]
-    along = along / np.hypot(along[:, 0], along[:, 1])[:, None]
-    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    centroid = ends[:, 0] - parameters.hinge_y * across
+    centroid, along, _ = main_body_frame(parameters, centreline(model, q, 0))
     return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
 
 

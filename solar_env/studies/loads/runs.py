@@ -14,8 +14,7 @@ from solar_env.mechanics.records.recording import Recorder, make_recorder, sampl
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table
-from solar_env.studies.common.levels import Level
-from solar_env.studies.common.motion import perturbed
+from solar_env.studies.common.motion import Level, perturbed
 from solar_env.studies.loads.hub import hub_place, hub_velocity, mean_loads, sampled_hinge_loads
 from solar_env.studies.loads.shock_spectrum import ShockSpectrum
 

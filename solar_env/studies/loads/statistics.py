@@ -28,8 +28,7 @@ class Figure:
     quantile: float  # 99 % of runs stay below
     quantile_bound: float  # upper bound of that, with 95 % confidence
     model_error: float  # mean of the finest level minus this one, over the same members
-    model_low: float  # 95 % interval of that
-    model_high: float
+    model_half_width: float  # half of the 95 % interval of that
     runs: int
 
     @property
@@ -37,16 +36,12 @@ class Figure:
         """Half of the mean's interval; nan without one."""
         return 0.5 * (self.high - self.low)
 
-    @property
-    def model_half_width(self) -> float:
-        """Half of the model error's interval; nan without one."""
-        return 0.5 * (self.model_high - self.model_low)
-
 
 def figure_of(level: Array, finer: Array) -> Figure:
     """The figure of a quantity, from its (n,) values at a level and at a finer one; members with nan do not count."""
     values, paired = (members[np.isfinite(members)] for members in (level, finer - level))
-    return Figure(*_band(values), *high_quantile(values), *_band(paired), len(values))
+    error, low, high = _band(paired)
+    return Figure(*_band(values), *high_quantile(values), error, 0.5 * (high - low), len(values))
 
 
 def _band(values: Array) -> tuple[float, float, float]:

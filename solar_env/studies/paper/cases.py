@@ -9,8 +9,7 @@ from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.mechanism import four_bar
 from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.common.levels import Level
-from solar_env.studies.common.motion import with_panels
+from solar_env.studies.common.motion import Level, with_panels
 
 DURATION = 30.0  # s, of the deployments
 OUTPUT_STEP = 5e-3  # s

@@ -16,8 +16,7 @@ import numpy as np
 from solar_env.array.level import ELEMENTS, MODES
 from solar_env.pictures.style import LEVEL_LOOKS, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
-from solar_env.studies.common.levels import Level
-from solar_env.studies.common.motion import Motion, Scene, force_error, perturbed, run_ours
+from solar_env.studies.common.motion import Level, Motion, Scene, force_error, perturbed, run_ours
 from solar_env.studies.common.plans import ChartPlan, Ensemble
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from solar_env.array import ModelLevel
 from solar_env.pictures.style import METHOD_LOOKS, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save
-from solar_env.studies.common.levels import FINEST, Level
-from solar_env.studies.common.motion import perturbed, perturbed_setting, with_panels
+from solar_env.studies.common.motion import FINEST, Level, perturbed, perturbed_setting, with_panels
 from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured

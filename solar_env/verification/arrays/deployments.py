@@ -12,10 +12,9 @@ from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.mechanism import Body, Mechanism
 from solar_env.mechanics.running.simulation import simulate
-from solar_env.verification.arrays.theory import joint_angles_over_time, latch_time
+from solar_env.verification.arrays.theory import MINIMAL, joint_angles_over_time, latch_time
 from solar_env.verification.beams.fields import momenta
 from solar_env.verification.checks import ARNOLD_BRULS, ENERGY, Check, compare
-from solar_env.verification.linkages.chain_theory import MINIMAL
 
 REDUCED = "theta2 = 2 theta1: reduced equation of motion"
 NO_LOADS = "no external force or moment acts"

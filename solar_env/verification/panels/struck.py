@@ -16,9 +16,9 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism import Bearing, Body, Joint, Mechanism
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
+from solar_env.verification.beams.theory import FineBeam
 from solar_env.verification.checks import Check
 from solar_env.verification.panels.mechanisms import modal, start
-from solar_env.verification.panels.theory import FineBeam
 
 Array = NDArray[np.float64]
 

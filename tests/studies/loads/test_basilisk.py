@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import Level
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.loads.hub import write_hub_loads
 from solar_env.studies.loads.runs import deploy

@@ -9,8 +9,7 @@ from helpers import make_motion
 
 from solar_env.array import ArrayParameters
 from solar_env.array.parameters.ranges import RELEASE_RATE
-from solar_env.studies.common.levels import Level
-from solar_env.studies.common.motion import SETTING_SHARE, perturbed, perturbed_setting
+from solar_env.studies.common.motion import SETTING_SHARE, Level, perturbed, perturbed_setting
 from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.common.tables import Table
 from solar_env.studies.common.timing import Measured

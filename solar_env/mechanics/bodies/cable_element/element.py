@@ -16,14 +16,9 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from solar_env.mechanics.arrays.model import Elements
+from solar_env.mechanics.bodies.cable_element import matrices
 from solar_env.mechanics.bodies.cable_element.forces import LANES
-from solar_env.mechanics.bodies.cable_element.matrices import (
-    MASS_BAND,
-    factor_band,
-    lower_band,
-    mass_matrix,
-    stable_step,
-)
+from solar_env.mechanics.bodies.cable_element.matrices import MASS_BAND
 from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody, Point
 from solar_env.mechanics.bodies.kind import Array, BodyKind, Fields
 from solar_env.mechanics.numerics.jit import kernel
@@ -53,8 +48,8 @@ class CableElements(BodyKind[FlexibleBody]):
         """Fill stiffness and damping; the mass matrix and its factors are constants."""
         for name in ("length", "elements", "element_length", "axial_stiffness", "bending_stiffness", "damping"):
             row[name] = getattr(body, name)
-        mass = mass_matrix(body.elements, body.element_length, body.linear_density)
-        for name, band in (("mass_band", lower_band(mass)), ("mass_factor", factor_band(mass))):
+        mass = matrices.mass_matrix(body.elements, body.element_length, body.linear_density)
+        for name, band in (("mass_band", matrices.lower_band(mass)), ("mass_factor", matrices.factor_band(mass))):
             row[name] = len(constants)
             constants += band.ravel().tolist()
 
@@ -93,7 +88,7 @@ class CableElements(BodyKind[FlexibleBody]):
     def stable_step(self, body: FlexibleBody) -> float:
         """Return the stable step of the free straight beam."""
         stiffness = body.axial_stiffness, body.bending_stiffness
-        return stable_step(body.elements, body.element_length, body.linear_density, *stiffness, body.damping)
+        return matrices.stable_step(body.elements, body.element_length, body.linear_density, *stiffness, body.damping)
 
     def rigid_motions(self, q: Array) -> Array:
         """Return the rigid motions of nodes whose slopes do not change in a translation."""

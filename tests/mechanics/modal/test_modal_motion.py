@@ -60,7 +60,7 @@ def coordinates_after(mechanism: Mechanism, duration: float, integrator: ModalRa
 
 
 @pytest.mark.slow
-def test_motion_converges_with_third_order_to_that_of_the_lagrangian_system() -> None:
+def test_motion_converges_with_fifth_order_to_that_of_the_lagrangian_system() -> None:
     mechanism = hanging_panel(spin=0.5)
     simulation = Simulation(mechanism, ModalRadau())
     start, panels, duration = simulation.state, simulation.model.panels, 0.032
@@ -68,9 +68,10 @@ def test_motion_converges_with_third_order_to_that_of_the_lagrangian_system() ->
     errors = np.array(
         [np.abs(coordinates_after(mechanism, duration, fixed_steps(level)) - reference) for level in (8, 10, 12, 14)]
     )
-    # The height, which bounces with the contact: a third order gains a factor of eight with half the step, down to the
+    # The height, which bounces with the contact: a fifth order gains a factor of 32 with half the step, down to the
     # 3e-9 m that ringing pseudo-modes move it.
-    assert (errors[:2, 1] > 6.0 * errors[1:3, 1]).all()
+    assert errors[0, 1] > 25.0 * errors[1, 1]
+    assert errors[2:, 1].max() < 5e-9
     # The stiffest pseudo-modes ring in the exact solution and are at rest in the method's.
     frequencies = np.concatenate([np.zeros(3), panels.frequency[0]])
     followed = frequencies * level_size(14) < 0.7

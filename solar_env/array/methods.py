@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,6 @@ from solar_env.mechanics.integrators.settings import (
 )
 
 PAPER = "paper"
-_LANDING_SPEED = 0.0075  # m/s
 # Names on the command line: every method, and the paper's choice of one.
 INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 
@@ -36,18 +34,6 @@ def default_integrator(model: str | ModelLevel) -> RungeKutta:
     if level.flexible:
         return Rosenbrock(rtol=1e-4)
     return RungeKutta(rtol=2e-6, impact_resolution=12.0) if level.clearance else RungeKutta(rtol=5e-7)
-
-
-def landing_integrator(model: str | ModelLevel) -> RungeKutta:
-    """The integrator of arrays that a motor may land softly: the default, but for modal panels with clearance.
-
-    Contacts are slower then than those of a passive deployment. With an error of the usual size one soft landing in
-    thirty shows four to six times the force that it has, while sliding work is the same; a passive deployment would
-    take a third longer.
-    """
-    level = ModelLevel.of(model)
-    default = default_integrator(level)
-    return replace(default, velocity_scale=_LANDING_SPEED) if level.modal and level.clearance else default
 
 
 def make_integrator(

@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 
 from solar_env.array import ArrayParameters, ModelLevel, build
-from solar_env.array.methods import landing_integrator
+from solar_env.array.methods import default_integrator
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import SCENARIOS
@@ -102,7 +102,7 @@ class EnvironmentSettings:
     @cached_property
     def integrator(self) -> Integrator:
         """Method of the model, with the bound on its steps."""
-        return replace(landing_integrator(self.level), max_steps=self.max_steps)
+        return replace(default_integrator(self.level), max_steps=self.max_steps)
 
     @property
     def frames_per_second(self) -> int:

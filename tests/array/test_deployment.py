@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from deployments import LEVELS, NATURAL_LEVELS
+from deployments import NATURAL_LEVELS
 
 from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.array.deployment import panel_deflections, simulate
-from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, landing_integrator, make_integrator
+from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import RATE
 from solar_env.mechanics.bodies.markers import place
@@ -35,13 +35,6 @@ def test_a_deployment_with_modal_panels_is_saved_and_measured_as_others(model: s
     assert np.array_equal(panel_deflections(loaded), panel_deflections(run))
     assert 1e-6 < np.abs(panel_deflections(run)).max() < 1e-2
     assert run.energy_residual < 1e-4 * run.energy_put_in
-
-
-@pytest.mark.parametrize("model", LEVELS)
-def test_landings_take_the_default_but_for_slower_contacts_of_modal_panels(model: str) -> None:
-    default, landing = default_integrator(model), landing_integrator(model)
-    slower = model == "flexible-clearance:4 modes"
-    assert landing == (replace(default, velocity_scale=0.3 * default.velocity_scale) if slower else default)
 
 
 @pytest.mark.parametrize("level", NATURAL_LEVELS)

@@ -113,12 +113,12 @@ def mean_cost(controller):
 
 @pytest.mark.slow
 def test_the_nominal_policy_costs_less_than_the_servo_at_a_hundredth_of_the_tolerance_too(monkeypatch):
-    monkeypatch.setattr(settings, "landing_integrator", lambda *level: ModalRadau(rtol=1e-5))
+    monkeypatch.setattr(settings, "default_integrator", lambda *level: ModalRadau(rtol=1e-5))
     assert mean_cost("cma-es-nominal") < 0.8 * mean_cost("servo")
 
 
 @pytest.mark.slow
 def test_what_a_soft_landing_costs_does_not_depend_on_the_tolerance(monkeypatch):
     usual = mean_cost("cma-es-nominal")
-    monkeypatch.setattr(settings, "landing_integrator", lambda *level: ModalRadau(rtol=1e-5))
+    monkeypatch.setattr(settings, "default_integrator", lambda *level: ModalRadau(rtol=1e-5))
     assert mean_cost("cma-es-nominal") == pytest.approx(usual, rel=0.06)

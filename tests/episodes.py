@@ -38,7 +38,7 @@ def deploy(env, policy=lambda observation: [0.0], seed=0, options=None):
 
 def main_body_spin(state):
     """Angular velocity of the line through the main body's base points, or of its frame [rad/s]."""
-    if hasattr(state, "loads"):
+    if hasattr(state, "course"):
         return state.v[2]
     (x, y), (u, v) = state.q[2:4] - state.q[:2], state.v[2:4] - state.v[:2]
     return (x * v - y * u) / (x * x + y * y)

@@ -63,7 +63,8 @@ def test_the_privileged_observation_adds_journals_contacts_and_the_spin_of_the_m
     clearance = 2e-4 if "clearance" in model else math.inf
     for joint in (0, 1):
         eccentricity = entries[f"eccentricity_x_{joint + 1}"], entries[f"eccentricity_y_{joint + 1}"]
-        assert eccentricity == pytest.approx(loads[joint, :2] / clearance, rel=1e-6)
+        # In clearances, of which a contact's step leaves its motion off by less than a millionth.
+        assert eccentricity == pytest.approx(loads[joint, :2] / clearance, abs=1e-6)
         assert entries[f"in_contact_{joint + 1}"] == state.joints["in_contact"][joint]
     assert entries["main_body_spin"] == pytest.approx(main_body_spin(state), rel=1e-6)
     assert entries["main_body_spin"] < 0.0

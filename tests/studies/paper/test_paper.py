@@ -161,7 +161,7 @@ def test_with_the_tangential_force_the_couple_latches_a_second_before_the_paper(
             return matrix.T @ theory.spring_torques(p, joints) + cable * np.array(shares)
 
         times = np.arange(11.5, 14.0, 0.02)
-        angles = chain.solve(list(start), [0.0] * 3, torques, list(times)).y[:3].T - start
+        angles = chain.solve(list(start), torques, list(times)).y[:3].T - start
         latch_times.append(float(np.interp(math.pi / 2, (angles @ matrix.T)[:, 0], times)))
     assert latch_times == pytest.approx([13.2, 12.15], abs=0.05)
 

@@ -119,8 +119,8 @@ def test_every_model_runs_with_the_other_integrators_too(model, integrator, caps
         assert main(["simulate", *arguments, "--json", "-"]) == 0
     summary = json.loads(capsys.readouterr().out)
     expected = simulate(model=model, duration=0.4).angles[-1]
-    # The fixed step of 0.1 ms is coarse for the first impacts of the journals: steps a thousandth apart come out 5e-4 rad
-    # apart, and 7e-4 from half of the step.
+    # The fixed step of 0.1 ms is coarse for the first impacts of the journals: steps a thousandth apart come out 5e-4
+    # rad apart, and 7e-4 rad from half the step.
     assert summary["theta_end_rad"] == pytest.approx(expected, rel=1e-2, abs=1e-3 if clearance else 0.0)
     assert summary["energy_residual_J"] < 1e-4
 

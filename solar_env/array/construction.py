@@ -29,11 +29,6 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
         ValueError: if the level is unknown or does not go with a parameter.
     """
     level, p = ModelLevel.of(model), parameters
-    if p.cable_bearing_forces and level.modal:
-        raise ValueError(
-            "cable_bearing_forces = True: cables do not pull on the bearings of modal panels; choose the model "
-            f"'{level.name}:6 elements', one with rigid panels, or cable_bearing_forces = False"
-        )
     bodies, joints, cables = [_main_body(p)], [], []
     hinge = (p.hinge_x, p.hinge_y)
     velocity, spin = _turning(p.initial_spin, hinge), p.initial_spin

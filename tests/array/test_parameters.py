@@ -13,9 +13,7 @@ import numpy as np
 import pytest
 
 from solar_env.array import MODELS, ArrayParameters, build
-from solar_env.array.deployment import simulate
 from solar_env.array.methods import default_integrator
-from solar_env.environment.env import SolarArrayEnv
 from solar_env.mechanics.mechanism.description import Stop
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
@@ -173,21 +171,6 @@ def test_hinges_and_loops_that_differ_become_those_of_the_mechanism() -> None:
     assert [bearing.friction_coefficient for bearing in bearings] == [0.1, 0.2, 0.2]
     assert [bearing.friction_speeds for bearing in bearings] == [(0.0, 1e-3), (1e-4, 2e-3), (1e-4, 2e-3)]
     assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
-
-
-def test_modal_panels_refuse_a_cable_that_pulls_on_the_bearings_before_anything_runs() -> None:
-    pulling = {"cable_bearing_forces": True}
-    for refuse in (
-        lambda: simulate(pulling, model="flexible-ideal", duration=0.1),
-        lambda: SolarArrayEnv(model="flexible-clearance", parameters=pulling),
-    ):
-        with pytest.raises(
-            ValueError, match=r"^cable_bearing_forces = True: .* choose the model 'flexible-[a-z]+:6 elem"
-        ):
-            refuse()
-    SolarArrayEnv(model="flexible-clearance:6 elements", parameters=pulling).close()
-    with pytest.raises(ValueError, match="ModalRadau takes no loops that pull on bearings; choose another integrator"):
-        simulate(pulling, model="rigid-ideal", integrator="modal-radau", duration=0.1)
 
 
 def test_changes_leave_the_original_alone_and_may_be_lists() -> None:

@@ -92,7 +92,6 @@ def test_simulate_writes_summary_trajectory_and_figure(tmp_path, capsys):
         (["--output-step", "1e-9"], ["output_step", "1e-09", "samples", "choose"]),
         (["--step", "nan"], ["step", "nan"]),
         (["--rtol", "-1"], ["rtol", "-1"]),
-        (["--model", "flexible-ideal", "--set", "cable_bearing_forces=true"], ["cable_bearing_forces"]),
         (["--out", "no/such/folder/run.npz"], ["folder", "no/such/folder"]),
         (["--out", "run.xlsx"], ["suffix", ".xlsx", ".csv, .npz"]),
         (["--durration", "1"], ["--durration", "--help"]),

@@ -81,8 +81,8 @@ class ArrayParameters:
             slack).
         cable_wheel_radius: of the outer joint's wheel [m] (chosen: unless cable_bearing_forces, it sets only the torque
             at which a strand goes slack).
-        cable_bearing_forces: whether the strands also pull on the bearings (Eq 3, with a potential; not on modal
-            panels). The paper's solution steps use Eq 4 alone.
+        cable_bearing_forces: whether the strands also pull on the bearings (Eq 3, with a potential). The paper's
+            solution steps use Eq 4 alone.
         latch_gap: free play of latch and stow stop to either side [rad], 0 included (chosen, like the four below:
             together they give contact forces of some hundred newtons after latching, like the paper's Fig. 10).
         latch_stiffness: of latch and stow stop [N m/rad^exponent].

@@ -52,7 +52,6 @@ def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: 
     for name in ("wheel_ratio", "torque_ratio", "stiffness", "preload_torque"):
         record[name] = getattr(cable, name)
     record["chord_sense"] = chord_sense(mechanism, cable)
-    record["first"], record["last"] = joints[a]["outboard"], joints[b]["inboard"]
     if cable.wheel_radius is not None:
         reach = mechanism.joints[b].inboard_point[0] - mechanism.joints[a].outboard_point[0]
         radii = cable.wheel_radius * (1.0 + cable.wheel_ratio)
@@ -63,8 +62,14 @@ def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: 
             )
         crossing = mechanism.joints[a].sign * mechanism.joints[b].sign
         record["strand_offset"] = cable.wheel_radius * (cable.wheel_ratio + crossing)
-        record["first"], record["last"] = joints[a]["inboard"], joints[b]["outboard"]
         record["wheel_radius"], record["rest_distance"] = cable.wheel_radius, abs(reach)
+    enter_chord(record, joints)
+
+
+def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
+    """Enter the ends of a cable loop's chord: on the body between, or the wheels' centres if it pulls on them."""
+    ends = ("inboard", "outboard") if record["wheel_radius"] > 0.0 else ("outboard", "inboard")
+    record["first"], record["last"] = joints[record["joint_a"]][ends[0]], joints[record["joint_b"]][ends[1]]
 
 
 def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:

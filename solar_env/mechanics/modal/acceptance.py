@@ -3,7 +3,7 @@
 import math
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
-from solar_env.mechanics.modal.arrays import NORMAL_ROW, REACTION_X_ROW, RIGID_BODY
+from solar_env.mechanics.modal.arrays import PULL_ROW, REACTION_X_ROW, RIGID_BODY
 from solar_env.mechanics.modal.solve import move_stages
 from solar_env.mechanics.modal.tables import (
     AT_START,
@@ -76,7 +76,7 @@ def step_error(model, state, work, settings, tables, level, h):
         error = max(error, deviation(state, work, k) / work.loads[k].tolerance)
     for r in range(work.step[0].unknowns):
         kind, k = work.unknowns[r].kind, work.unknowns[r].number
-        if kind >= NORMAL_ROW and (settled or kind < REACTION_X_ROW):
+        if kind >= PULL_ROW and (settled or kind < REACTION_X_ROW):
             apart, stage = deviation(state, work, k), work.loads[k].stage
             if not comparable and kind >= REACTION_X_ROW:
                 apart = min(apart, abs(stage[LAST] - stage[0]))

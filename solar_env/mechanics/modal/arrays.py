@@ -52,16 +52,17 @@ VELOCITY_X, VELOCITY_Y, LEVER, NORMAL_X, NORMAL_Y, DEPTH, DEPTH_RATE, SLIP, SLID
 MOTION_COLUMNS = SHARED_COLUMNS + 9
 
 # Loads: the torque on each joint's angle, without the motor's and the loops'; of each cable loop that on its outer
-# joint; then of each joint normal and tangential force of a contact, or the two components of an ideal joint's reaction
-# on its outboard body.
-JOINT_LOADS = 3
-# Kinds of unknown; the reactions last.
-TORQUE_ROW, CABLE_ROW, NORMAL_ROW, TANGENTIAL_ROW, REACTION_X_ROW, REACTION_Y_ROW = range(6)
+# joint; then its pull on its wheels' centres; then of each joint normal and tangential force of a contact, or the two
+# components of an ideal joint's reaction on its outboard body.
+JOINT_LOADS, CABLE_LOADS = 3, 2
+# Kinds of unknown; the forces last, of which the reactions.
+TORQUE_ROW, CABLE_ROW, PULL_ROW, NORMAL_ROW, TANGENTIAL_ROW, REACTION_X_ROW, REACTION_Y_ROW = range(7)
 
-# Columns of a cable loop's motion: mismatch of the wheels' angles, rate of the inner one's, and force at the outer
-# joint by a unit of moment on a chord, which is none where the body between the joints is rigid.
-STRETCH, WHEEL_RATE, ACROSS_X, ACROSS_Y = range(4)
-CABLE_COLUMNS = 4
+# Columns of a cable loop's motion: mismatch of the wheels' angles, rate of the inner one's, and of a chord, which is
+# none where the body between the joints is rigid and the loop does not pull, the force at its outer end by a unit of
+# moment on it, and the length.
+STRETCH, WHEEL_RATE, ACROSS_X, ACROSS_Y, LENGTH = range(5)
+CABLE_COLUMNS = 5
 # Attachments that a load works on: of a joint two, of a cable loop four.
 FACES = 4
 
@@ -160,7 +161,7 @@ unknown_scratch = record(
         ("first", np.int64),  # unknown of its block in Newton's matrix, and the one behind its last
         ("end", np.int64),
         ("faces", np.int64),  # number of attachments
-        # Outboard and inboard; of a cable loop those with the wheels, then both ends of the body between.
+        # Outboard and inboard; of a cable loop those with the wheels, then both ends of its chord.
         ("attachment", np.int64, FACES),
         # A unit of it on these bodies, in their frames: force, torque, moment about the centre of mass.
         ("load", np.float64, (FACES, 4)),
@@ -198,7 +199,7 @@ class Workspace(NamedTuple):
     joints: NDArray[np.void]
     cables: NDArray[np.void]
     panels: NDArray[np.void]
-    loads: NDArray[np.void]  # (3 J + C,)
+    loads: NDArray[np.void]  # (3 J + 2 C,)
     unknowns: NDArray[np.void]  # (R,)
     rigid: Array  # (BY_LOAD,) motion of a unit mass by a unit load, as the columns of the mobility
     mobility: NDArray[np.void]  # (R, R) rows of `mobility_type`
@@ -216,13 +217,13 @@ class Workspace(NamedTuple):
     # Of a sample.
     energies: Array
     sample: Array  # (J, LOAD_COLUMNS)
-    sample_load: Array  # (3 J + C,)
+    sample_load: Array  # (3 J + 2 C,)
 
 
 def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
     """Allocate scratch arrays for a mechanism."""
     joints, cables, zeros = model.joints.size, model.cables.size, np.zeros
-    loads = JOINT_LOADS * joints + cables
+    loads = JOINT_LOADS * joints + CABLE_LOADS * cables
     return Workspace(
         trial=np.zeros(1, trial_type),
         motion=np.zeros(joints, joint_motion_type),

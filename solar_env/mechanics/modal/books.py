@@ -10,7 +10,7 @@ import numpy as np
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE, RATE
-from solar_env.mechanics.joints.cable_loop import cable_torque
+from solar_env.mechanics.joints.cable_loop import belt_loads
 from solar_env.mechanics.joints.contact import contact_energy, friction_share, normal_force
 from solar_env.mechanics.joints.torques import (
     add_cable_power,
@@ -23,6 +23,7 @@ from solar_env.mechanics.joints.torques import (
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,
+    LENGTH,
     LEVER,
     NORMAL_X,
     NORMAL_Y,
@@ -69,7 +70,7 @@ def add_integrals(model, state, work, h):
             integrals[first + m.SLIDING_WORK] += sum_lanes(weights * normal * where_less(speed, 0.0, -speed, speed))
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
-        torque, _, _ = cable_torque(cable, load4(motion[STRETCH], 0))
+        torque = load4(work.loads[model.joints.size + c].stage, 0)
         add_cable_power(cable, torque, load4(motion[WHEEL_RATE], 0), weights, integrals)
 
 
@@ -127,7 +128,8 @@ def stored_energies(model, state, q, v, work, energies):
         if joint.kind == m.CLEARANCE:
             energies[m.CONTACT] += contact_energy(joint, motion[DEPTH, 0])
     for c in range(model.cables.size):
-        _, _, energy = cable_torque(model.cables[c], work.cables[c].motion[STRETCH, 0])
+        motion = work.cables[c].motion
+        _, _, energy, _, _, _ = belt_loads(model.cables[c], motion[STRETCH, 0], motion[LENGTH, 0])
         energies[m.CABLE] += energy
 
 
@@ -157,8 +159,8 @@ def fill_load_table(model, state, work, loads, table):
             row[columns.NORMAL], row[columns.TANGENTIAL] = math.sqrt(fx * fx + fy * fy), 0.0
         enter_torques(hinge_torques(joint, joint_state, motion[ANGLE, 0], motion[RATE, 0]), j, table)
     for c in range(model.cables.size):
-        cable = model.cables[c]
-        torque, _, _ = cable_torque(cable, work.cables[c].motion[STRETCH, 0])
+        cable, motion = model.cables[c], work.cables[c].motion
+        torque, _, _, _, _, _ = belt_loads(cable, motion[STRETCH, 0], motion[LENGTH, 0])
         enter_cable(cable, torque, table)
 
 

@@ -13,10 +13,11 @@ from solar_env.mechanics.bodies.beam_modes import axial_modes, bending_modes
 from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.equations.formulation import JointView
-from solar_env.mechanics.equations.joint_rows import chord_sense
+from solar_env.mechanics.equations.joint_rows import chord_sense, enter_chord
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import (
     CABLE_COLUMNS,
+    CABLE_LOADS,
     JOINT_LOADS,
     MOTION_COLUMNS,
     RIGID_BODY,
@@ -151,12 +152,6 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     for name in ("drives", "loads"):
         if getattr(mechanism, name):
             raise ValueError(f"mechanism.{name}: ModalRadau takes none; choose another integrator, and no ModalPanel")
-    for cable in mechanism.cables:
-        if cable.wheel_radius is not None:
-            raise ValueError(
-                f"CableLoop.wheel_radius = {cable.wheel_radius!r}: ModalRadau takes no loops that pull on bearings; "
-                "choose another integrator, with flexible panels beams of cable elements (FlexibleBody)"
-            )
     stand_in = replace(mechanism, bodies=tuple(rigid_stand_in(body) for body in mechanism.bodies))
     rigid, rigid_state = compile_mechanism(stand_in)
     described = list(mechanism.bodies)
@@ -174,11 +169,14 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     exact = _EXACT_BESIDE_REACTIONS if (rigid.joints["kind"] == IDEAL).any() else _EXACT
     panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),), exact)
     bodies, q, v = _bodies(described, designs, panels.frequency.shape[1])
-    joints, loads = len(mechanism.joints), JOINT_LOADS * len(mechanism.joints) + len(mechanism.cables)
-    rigid.cables["chord_sense"] = [chord_sense(mechanism, cable) for cable in mechanism.cables]
+    joints, cables = len(mechanism.joints), len(mechanism.cables)
+    attachments = _attachments(mechanism, rigid.joints)
+    for row, cable in zip(rigid.cables, mechanism.cables, strict=True):
+        row["chord_sense"] = chord_sense(mechanism, cable)
+        enter_chord(row, rigid.joints)
     model = ModalModel(
         bodies=bodies,
-        attachments=_attachments(mechanism, rigid.joints),
+        attachments=attachments,
         joints=rigid.joints,
         cables=rigid.cables,
         folded_angle=np.array([_folded_angle(stand_in, k) for k in range(joints)]),
@@ -191,13 +189,13 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     state = ModalState(
         q=q,
         v=v,
-        course=np.zeros((loads, STAGES)),
+        course=np.zeros((JOINT_LOADS * joints + CABLE_LOADS * cables, STAGES)),
         coupling=np.zeros((len(flexible), GROUPS, LOW, LANES)),
         damping_power=np.zeros(len(flexible)),
         turns=np.zeros((len(bodies), 2)),
         placements=np.zeros(2 * joints, placement_type),
         motion=np.zeros((joints, MOTION_COLUMNS)),
-        cable_motion=np.zeros((len(mechanism.cables), CABLE_COLUMNS)),
+        cable_motion=np.zeros((cables, CABLE_COLUMNS)),
         views=np.zeros((joints, len(JointView._fields))),
         extremes=np.zeros(2),
         **{name: getattr(rigid_state, name) for name in shared},

@@ -3,12 +3,13 @@
 import numpy as np
 
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
-from solar_env.mechanics.joints.cable_loop import cable_torque
+from solar_env.mechanics.joints.cable_loop import belt_loads, cable_torque
 from solar_env.mechanics.joints.contact import depth_under, friction_share, normal_force, sliding_share
 from solar_env.mechanics.joints.torques import hinge_torques, torque_of_motion
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,
+    LENGTH,
     NORMAL_ROW,
     REACTION_X_ROW,
     SLIDING_SPEED,
@@ -53,12 +54,17 @@ def torque_laws(model, state, work):
             piece = where_less(0.0, torques.latch, 1.0, where_less(torques.latch, 0.0, 2.0, 0.0))
             changed = changed + enter_piece(load, piece)
     for c in range(model.cables.size):
-        load = work.loads[model.joints.size + c]
-        torque, slope, _ = cable_torque(model.cables[c], load4(work.cables[c].motion[STRETCH], 0))
-        store4(load.law, 0, torque)
-        # The motion that it works on is minus the mismatch.
-        store4(load.by_value, 0, -slope)
-        store4(load.by_rate, 0, splat4(0.0))
+        cable, load, motion = model.cables[c], work.loads[model.joints.size + c], work.cables[c].motion
+        # The motion that it works on is minus the mismatch, that of a pull minus the length.
+        if cable.wheel_radius == 0.0:
+            torque, slope, _ = cable_torque(cable, load4(motion[STRETCH], 0))
+            store4(load.law, 0, torque)
+            store4(load.by_value, 0, -slope)
+        else:
+            pull = work.loads[model.joints.size + model.cables.size + c]
+            for s in range(LANES):
+                torque, drawn, _, by_stretch, _, by_length = belt_loads(cable, motion[STRETCH, s], motion[LENGTH, s])
+                load.law[s], load.by_value[s], pull.law[s], pull.by_value[s] = torque, -by_stretch, drawn, -by_length
     return changed
 
 

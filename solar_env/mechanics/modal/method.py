@@ -14,6 +14,7 @@ from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, IDEAL, NEWTON_STA
 from solar_env.mechanics.joints.contact import friction_share, normal_force
 from solar_env.mechanics.modal.acceptance import commit_step, keep_loads, note_extremes, step_error
 from solar_env.mechanics.modal.arrays import (
+    CABLE_LOADS,
     DEPTH,
     DEPTH_RATE,
     NORMAL_X,
@@ -76,7 +77,7 @@ def start_loads(model, state, work):
     start_from_end(model, state, state.q, work)
     note_extremes(model, state, work, state.v)
     torque_laws(model, state, work)
-    for k in range(model.joints.size + model.cables.size):
+    for k in range(model.joints.size + CABLE_LOADS * model.cables.size):
         set_load(state, k, work.loads[k].law[LAST])
     take_motion(model, state, work)
 

@@ -15,9 +15,11 @@ from solar_env.mechanics.joints.contact import contact_motion
 from solar_env.mechanics.modal.arrays import (
     ACROSS_X,
     ACROSS_Y,
+    CABLE_LOADS,
     DEPTH,
     DEPTH_RATE,
     FACES,
+    LENGTH,
     LEVER,
     NORMAL_X,
     NORMAL_Y,
@@ -46,7 +48,7 @@ from solar_env.mechanics.modal.tables import (
     side,
 )
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat4, store4, upper_half
+from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat4, square_roots, store4, upper_half
 
 # By load, in lanes of the stages that it moves.
 VELOCITY_BY_LOAD = np.array([[A[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
@@ -106,24 +108,25 @@ def outboard_load(joint, nx, ny, lever, first, second, torque):
 @kernel
 def force_of(model, j):
     """Number of the first component of a joint's force among the loads; the second one follows."""
-    return model.joints.size + model.cables.size + 2 * j
+    return model.joints.size + CABLE_LOADS * model.cables.size + 2 * j
 
 
 @kernel
 def cable_attachment(model, cable, face):
-    """Number of an attachment that a loop loads: with the outer wheel, the inner one, then the carrier's two ends."""
+    """Number of an attachment that a loop loads: with the outer wheel, the inner one, then the chord's two ends."""
     if face == 0:
         return model.joints[cable.joint_b].outboard
     if face == 1:
         return model.joints[cable.joint_a].inboard
-    return model.joints[cable.joint_a].outboard if face == 2 else model.joints[cable.joint_b].inboard
+    return cable.first if face == 2 else cable.last
 
 
 @kernel
-def face_load(model, cable, across_x, across_y, face, torque, ratio):
+def face_load(model, cable, across_x, across_y, length, face, torque, pull, ratio):
     """Force [N] and torque [N m] of a loop on an attachment; `ratio` is of minus the inner torque to the outer one.
 
-    It takes numbers, or vectors of several configurations.
+    `across_x`, `across_y` and `length` are those of its chord, along which it has the `pull` [N]. It takes numbers, or
+    vectors of several configurations.
     """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
     nothing, moment = 0.0 * torque, inner - outer
@@ -133,8 +136,10 @@ def face_load(model, cable, across_x, across_y, face, torque, ratio):
         return nothing, nothing, -inner
     if cable.chord_sense == 0:
         return nothing, nothing, moment if face == 2 else nothing
-    force = moment if face == 3 else -moment
-    return force * across_x, force * across_y, nothing
+    # The vector along the chord is that across it turned, which is over the length.
+    along = pull * length
+    fx, fy = moment * across_x - along * across_y, moment * across_y + along * across_x
+    return (fx, fy, nothing) if face == 3 else (-fx, -fy, nothing)
 
 
 @kernel
@@ -160,14 +165,11 @@ def distribute_loads(model, state, work):
         add_load(model, work, joint.outboard, fx, fy, outboard)
         add_load(model, work, joint.inboard, -fx, -fy, inboard)
     for c in range(model.cables.size):
-        cable, torque, motion = (
-            model.cables[c],
-            load4(work.loads[model.joints.size + c].stage, 0),
-            work.cables[c].motion,
-        )
-        across_x, across_y = load4(motion[ACROSS_X], 0), load4(motion[ACROSS_Y], 0)
+        cable, motion, k = model.cables[c], work.cables[c].motion, model.joints.size + c
+        torque, pull = load4(work.loads[k].stage, 0), load4(work.loads[k + model.cables.size].stage, 0)
+        x, y, length = load4(motion[ACROSS_X], 0), load4(motion[ACROSS_Y], 0), load4(motion[LENGTH], 0)
         for face in range(FACES):
-            fx, fy, moment = face_load(model, cable, across_x, across_y, face, torque, cable.torque_ratio)
+            fx, fy, moment = face_load(model, cable, x, y, length, face, torque, pull, cable.torque_ratio)
             add_load(model, work, cable_attachment(model, cable, face), fx, fy, moment)
 
 
@@ -293,30 +295,32 @@ def move_cables(model, work):
         cable, motion = model.cables[c], work.cables[c].motion
         inner, outer = work.joints[cable.joint_a].motion, work.joints[cable.joint_b].motion
         inner_angle, outer_angle, rate = load4(inner[ANGLE], 0), load4(outer[ANGLE], 0), load4(inner[RATE], 0)
-        across_x = across_y = splat4(0.0)
+        across_x = across_y = length = splat4(0.0)
         if cable.chord_sense != 0:
             a, b = model.joints[cable.joint_a], model.joints[cable.joint_b]
-            first, last = work.attachments[a.outboard], work.attachments[b.inboard]
-            x = load4(last.local[0], 0) - load4(first.local[0], 0)
-            y = load4(last.local[1], 0) - load4(first.local[1], 0)
-            store4(motion[ACROSS_X], 0, x)
-            store4(motion[ACROSS_Y], 0, y)
-            store4(motion[STRETCH], 0, load4(work.bodies[model.attachments[a.outboard].body].place[2], 0))
-            chord_angle(cable, motion[ACROSS_X], motion[ACROSS_Y], motion[STRETCH])
-            turn = load4(motion[STRETCH], 0)
-            inner_angle = inner_angle + a.sign * (turn - load4(first.direction[0], 0))
-            outer_angle = outer_angle - b.sign * (turn - load4(last.direction[0], 0))
+            near, far = work.attachments[a.outboard], work.attachments[b.inboard]
+            first, last = work.attachments[cable.first], work.attachments[cable.last]
             x = load4(last.point[0], 0) - load4(first.point[0], 0)
             y = load4(last.point[1], 0) - load4(first.point[1], 0)
-            inverse = 1.0 / (x * x + y * y)
-            across_x, across_y = -y * inverse, x * inverse
+            carrier = work.bodies[model.attachments[a.outboard].body]
+            c, s = load4(carrier.turn[0], 0), load4(carrier.turn[1], 0)
+            store4(motion[ACROSS_X], 0, c * x + s * y)
+            store4(motion[ACROSS_Y], 0, c * y - s * x)
+            store4(motion[STRETCH], 0, load4(carrier.place[2], 0))
+            chord_angle(cable, motion[ACROSS_X], motion[ACROSS_Y], motion[STRETCH])
+            turn = load4(motion[STRETCH], 0)
+            inner_angle = inner_angle + a.sign * (turn - load4(near.direction[0], 0))
+            outer_angle = outer_angle - b.sign * (turn - load4(far.direction[0], 0))
+            square = x * x + y * y
+            across_x, across_y, length = -y / square, x / square, square_roots(square)
             spin = across_x * (load4(last.point_rate[0], 0) - load4(first.point_rate[0], 0))
             spin = spin + across_y * (load4(last.point_rate[1], 0) - load4(first.point_rate[1], 0))
-            rate = rate + a.sign * (spin - load4(first.direction[1], 0))
+            rate = rate + a.sign * (spin - load4(near.direction[1], 0))
         store4(motion[STRETCH], 0, cable.wheel_ratio * inner_angle - outer_angle)
         store4(motion[WHEEL_RATE], 0, rate)
         store4(motion[ACROSS_X], 0, across_x)
         store4(motion[ACROSS_Y], 0, across_y)
+        store4(motion[LENGTH], 0, length)
 
 
 @kernel(inlined=False)

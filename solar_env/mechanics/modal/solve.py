@@ -17,14 +17,15 @@ from solar_env.mechanics.modal.arrays import (
     ACROSS_Y,
     CABLE_ROW,
     DEPTH,
+    LENGTH,
     LEVER,
     NORMAL_ROW,
     NORMAL_X,
     NORMAL_Y,
+    PULL_ROW,
     REACTION_X_ROW,
     RIGID_BODY,
     TANGENTIAL_ROW,
-    TORQUE_ROW,
     VELOCITY_X,
     VELOCITY_Y,
 )
@@ -155,7 +156,7 @@ def start_stages(model, state, work, h):
             store4(scratch.tried[1], 0, splat4(0.0))
     for c in range(model.cables.size):
         motion = work.cables[c].motion
-        for column in (ACROSS_X, ACROSS_Y):
+        for column in (ACROSS_X, ACROSS_Y, LENGTH):
             store4(motion[column], 0, splat4(state.cable_motion[c, column]))
 
 
@@ -203,7 +204,7 @@ def set_tolerances(state, work, settings, h, n):
     limit = work.step[0].velocity_tolerance
     for r in range(n):
         j, kind, load = work.unknowns[r].owner, work.unknowns[r].kind, work.loads[work.unknowns[r].number]
-        if kind in (TORQUE_ROW, CABLE_ROW):
+        if kind < PULL_ROW:
             continue
         # Without signs: a vibration may have turned back by the end of the step.
         response = work.mobility[r, r].response
@@ -242,7 +243,7 @@ def factor_matrix(work, n, h, state, renewed):
     """Fill the residuals and, where it is `renewed`, Newton's matrix, block by block; False if it is singular."""
     for r in range(n):
         kind = work.unknowns[r].kind
-        if kind in (TORQUE_ROW, CABLE_ROW):
+        if kind < NORMAL_ROW:
             torque_row(work, r, renewed)
         elif kind == NORMAL_ROW:
             contact_rows(work, r, renewed)
@@ -294,7 +295,7 @@ def furthest_off(model, work, n):
         for s in range(STAGES):
             change = abs(work.correction[r, s]) / work.loads[work.unknowns[r].number].tolerance
             if change > greatest:
-                joint, greatest = model.cables[owner].joint_b if kind == CABLE_ROW else owner, change
+                joint, greatest = model.cables[owner].joint_b if kind in (CABLE_ROW, PULL_ROW) else owner, change
     return joint
 
 

@@ -13,10 +13,12 @@ from solar_env.mechanics.modal.arrays import (
     ACROSS_Y,
     CABLE_ROW,
     FACES,
+    LENGTH,
     LEVER,
     NORMAL_ROW,
     NORMAL_X,
     NORMAL_Y,
+    PULL_ROW,
     REACTION_X_ROW,
     REACTION_Y_ROW,
     RIGID_BODY,
@@ -89,6 +91,16 @@ def list_unknown(model, work, r, kind, j, number):
 
 
 @kernel
+def list_loop(model, work, r, kind, c, number):
+    """Enter unknown `r` of cable loop `c`, likewise."""
+    unknown = work.unknowns[r]
+    unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, c, number, FACES
+    for face in range(FACES):
+        unknown.attachment[face] = cable_attachment(model, model.cables[c], face)
+    return r + 1
+
+
+@kernel
 def list_rows(model, state, work, tables, level, h):
     """List the unknowns, and set the tolerances of torques; returns the number of unknowns.
 
@@ -116,11 +128,9 @@ def list_rows(model, state, work, tables, level, h):
         give += max(cable.wheel_ratio, 1.0) * max(cable.torque_ratio, 1.0) * work.joints[cable.joint_a].angle_by_torque
         torque.unknown = cable.stiffness * give > _SOFT
         if torque.unknown:
-            unknown = work.unknowns[n]
-            unknown.kind, unknown.owner, unknown.number, unknown.faces = CABLE_ROW, c, model.joints.size + c, FACES
-            for face in range(FACES):
-                unknown.attachment[face] = cable_attachment(model, cable, face)
-            n += 1
+            n = list_loop(model, work, n, CABLE_ROW, c, model.joints.size + c)
+        if cable.wheel_radius > 0.0:
+            n = list_loop(model, work, n, PULL_ROW, c, model.joints.size + model.cables.size + c)
     mark_blocks(work, n, h)
     return n
 
@@ -130,7 +140,7 @@ def mark_blocks(work, n, h):
     """Enter the unknowns that Newton's matrix couples with each one: all, or in short steps those of one joint."""
     apart = h < _APART
     for r in range(n):
-        apart = apart and work.unknowns[r].kind not in (CABLE_ROW, REACTION_X_ROW, REACTION_Y_ROW)
+        apart = apart and work.unknowns[r].faces < FACES and work.unknowns[r].kind < REACTION_X_ROW
     work.step[0].apart = apart
     first = 0
     for r in range(n):
@@ -160,13 +170,14 @@ def fill_unit_loads(model, work, n):
     """Unit loads of the unknowns in the frames of their bodies, as the last stage has them."""
     for r in range(n):
         unknown = work.unknowns[r]
-        if unknown.kind == CABLE_ROW:
+        if unknown.faces == FACES:
             cable, motion = model.cables[unknown.owner], work.cables[unknown.owner].motion
-            x, y = motion[ACROSS_X, LAST], motion[ACROSS_Y, LAST]
+            x, y, length = motion[ACROSS_X, LAST], motion[ACROSS_Y, LAST], motion[LENGTH, LAST]
+            unit, pull = (1.0, 0.0) if unknown.kind == CABLE_ROW else (0.0, 1.0)
             for face in range(FACES):
-                fx, fy, torque = face_load(model, cable, x, y, face, 1.0, cable.torque_ratio)
+                fx, fy, torque = face_load(model, cable, x, y, length, face, unit, pull, cable.torque_ratio)
                 enter_load(model, work, unknown.attachment[face], fx, fy, torque, unknown.load[face])
-                fx, fy, torque = face_load(model, cable, x, y, face, 1.0, cable.wheel_ratio)
+                fx, fy, torque = face_load(model, cable, x, y, length, face, unit, pull, cable.wheel_ratio)
                 enter_load(model, work, unknown.attachment[face], fx, fy, torque, unknown.reading[face])
         else:
             first = 1.0 if unknown.kind in (NORMAL_ROW, REACTION_X_ROW) else 0.0
@@ -233,7 +244,7 @@ def share_motion(model, work, p, q):
     """Fill the motion that unknown `p` reads off by a unit of unknown `q`: of the bodies that both load."""
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
-    if one.owner == other.owner and one.kind != CABLE_ROW and other.kind != CABLE_ROW:
+    if one.owner == other.owner and one.faces < FACES and other.faces < FACES:
         for face in range(2):
             sums = add_shared(work, model, one.attachment[face], one.reading[face], other, face, sums)
     else:
@@ -265,7 +276,7 @@ def fill_mobility(model, work, tables, level, h, n):
     for p in range(n):
         for q in range(work.unknowns[p].first, p + 1):
             share_motion(model, work, p, q)
-            if work.unknowns[p].kind == CABLE_ROW or work.unknowns[q].kind == CABLE_ROW:
+            if work.unknowns[p].faces == FACES or work.unknowns[q].faces == FACES:
                 share_motion(model, work, q, p)
             else:
                 copy_into(work.mobility[q, p].response, work.mobility[p, q].response)

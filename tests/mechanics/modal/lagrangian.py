@@ -68,7 +68,7 @@ class Lagrangian:
         return q[first] + c * x - s * y, q[first + 1] + s * x + c * y, q[first + 2] + turn
 
     def potential(self, q: Complex) -> Complex:
-        """Strain, weight, springs, taut loops and Hertzian contacts [J]; further axes of `q` are others."""
+        """Strain, weight, springs, loops and Hertzian contacts [J]; further axes of `q` are others."""
         model, panels, total = self.model, self.model.panels, 0.0 * q[0]
         for body in model.bodies:
             first, d = body["offset"], body["design"]
@@ -91,13 +91,25 @@ class Lagrangian:
             pressed = np.where(depth.real > 0.0, depth, 0.0)
             total = total + 0.4 * joint["contact"][0] * pressed * pressed * np.sqrt(pressed)
         for cable in model.cables:
-            total = total + 0.5 * cable["stiffness"] * self.mismatch(q, cable) ** 2
+            stretch, length = self.mismatch(q, cable)
+            if cable["wheel_radius"] == 0.0:
+                total = total + 0.5 * cable["stiffness"] * stretch**2
+                continue
+            radius, offset, rest = cable["wheel_radius"], cable["strand_offset"], cable["rest_distance"]
+            stiffness, tension = 0.5 * cable["stiffness"] / radius**2, cable["preload_torque"] / radius
+            straight = np.sqrt(length**2 - offset**2) + offset * np.arcsin(offset / length)
+            longer = straight - np.sqrt(rest**2 - offset**2) - offset * np.arcsin(offset / rest)
+            for strand in (longer + radius * stretch, longer - radius * stretch):
+                taut = np.where(tension + stiffness * strand.real > 0.0, strand, -tension / stiffness)
+                total = total + tension * taut + 0.5 * stiffness * taut**2
         return total
 
-    def mismatch(self, q: Complex, cable: np.void) -> Complex:
-        """Of a loop's wheels, whose angles count from the chord between its joints; it is short of a quarter turn."""
+    def mismatch(self, q: Complex, cable: np.void) -> tuple[Complex, Complex]:
+        """Of a loop's wheels, whose angles count from its chord, short of a quarter turn; and the chord's length."""
         model, (a, b) = self.model, (self.model.joints[cable["joint_a"]], self.model.joints[cable["joint_b"]])
-        (ax, ay, _), (bx, by, _) = (self.attachment(q, number) for number in (a["outboard"], b["inboard"]))
+        pulls = cable["wheel_radius"] > 0.0
+        ends = (a["inboard"], b["outboard"]) if pulls else (a["outboard"], b["inboard"])
+        (ax, ay, _), (bx, by, _) = (self.attachment(q, number) for number in ends)
         turn = q[model.bodies[model.attachments[a["outboard"]]["body"]]["offset"] + 2]
         x = np.cos(turn) * (bx - ax) + np.sin(turn) * (by - ay)
         y = np.cos(turn) * (by - ay) - np.sin(turn) * (bx - ax)
@@ -105,7 +117,7 @@ class Lagrangian:
         (_, _, base), (_, _, last) = (self.attachment(q, number) for number in (a["inboard"], b["outboard"]))
         inner = a["sign"] * (chord - base - model.folded_angle[cable["joint_a"]])
         outer = b["sign"] * (last - chord - model.folded_angle[cable["joint_b"]])
-        return cable["wheel_ratio"] * inner - outer
+        return cable["wheel_ratio"] * inner - outer, np.sqrt(x * x + y * y)
 
     def acceleration(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
         """Accelerations of all coordinates."""

@@ -167,8 +167,6 @@ unknown_scratch = record(
         ("load", np.float64, (FACES, 4)),
         # The loads that read off the motion it works on: the same, but for a loop that does not conserve energy.
         ("reading", np.float64, (FACES, 4)),
-        # Motion by it of both ends of these bodies: along, across, turning; without the frame's.
-        ("motion", np.float64, (FACES, 2, 3, BY_LOAD)),
     ]
 )
 
@@ -204,7 +202,7 @@ class Workspace(NamedTuple):
     rigid: Array  # (BY_LOAD,) motion of a unit mass by a unit load, as the columns of the mobility
     mobility: NDArray[np.void]  # (R, R) rows of `mobility_type`
     matrix: Array  # (STAGES R, R, LANES) by column: load at a stage, row
-    pivots: Array  # (STAGES R,) inverse
+    inverses: Array  # (R, STAGES, LANES) of the unknowns' own blocks
     residual: Array  # (R, LANES)
     correction: Array  # (R, LANES)
     step: NDArray[np.void]  # (1,)
@@ -237,7 +235,7 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         rigid=zeros(BY_LOAD),
         mobility=zeros((loads, loads), mobility_type),
         matrix=zeros((STAGES * loads, loads, LANES)),
-        pivots=zeros(STAGES * loads),
+        inverses=zeros((loads, STAGES, LANES)),
         residual=zeros((loads, LANES)),
         correction=zeros((loads, LANES)),
         step=zeros(1, step_scratch),

@@ -1,69 +1,89 @@
-"""Gaussian elimination of Newton's matrix, whose rows are unknowns with the stages in lanes.
+"""Gaussian elimination of Newton's matrix by unknowns: blocks of three stages, whose rows are in lanes.
 
 Columns are loads at a stage: column STAGES * c + k of load c at stage k. No pivots are sought: the symmetric part of
 the matrix is positive definite.
 """
 
-import numpy as np
-
-from solar_env.mechanics.modal.tables import LANES, STAGES
+from solar_env.mechanics.modal.tables import STAGES
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, store4
 
-# One in the lanes behind a stage, and in those before it.
-_BEHIND = np.array([[float(s > k) for s in range(LANES)] for k in range(STAGES)])
-_BEFORE = np.array([[float(s < k) for s in range(LANES)] for k in range(STAGES)])
+# Rows are scaled to diagonals of the order of one: a determinant of less than this is rounding.
+_SINGULAR = 1e-30
 
 
 @kernel
-def eliminate(matrix, pivots, first, end):
-    """Factor the block of unknowns `first` to `end` of the matrix in place; False if it is not positive definite.
-
-    Args:
-        matrix: (STAGES R, R, LANES), by column.
-        pivots: (STAGES R,) inverses of the diagonal's; written.
-        first, end: of the block.
-    """
-    for q in range(first, end):
-        for k in range(STAGES):
-            number = STAGES * q + k
-            column = matrix[number]
-            pivot = column[q, k]
-            if not pivot > 0.0:
-                return False
-            inverse = 1.0 / pivot
-            pivots[number] = inverse
-            behind, before, whole = load4(_BEHIND[k], 0), load4(_BEFORE[k], 0), load4(column[q], 0)
-            factor = behind * inverse * whole
-            store4(column[q], 0, before * whole + factor)
-            for i in range(q + 1, end):
-                store4(column[i], 0, inverse * load4(column[i], 0))
-            for later in range(number + 1, STAGES * end):
-                other = matrix[later]
-                share = other[q, k]
-                store4(other[q], 0, load4(other[q], 0) - factor * share)
-                for i in range(q + 1, end):
-                    store4(other[i], 0, load4(other[i], 0) - load4(column[i], 0) * share)
+def invert(matrix, q, inverse):
+    """Fill the inverse (STAGES, LANES), by column, of the block of unknown `q` by itself; False if it is singular."""
+    first, second, third = matrix[STAGES * q, q], matrix[STAGES * q + 1, q], matrix[STAGES * q + 2, q]
+    a1, a2, a3, b1, b2, b3 = first[0], first[1], first[2], second[0], second[1], second[2]
+    c1, c2, c3 = third[0], third[1], third[2]
+    # Its rows are the products of two columns each, over the determinant.
+    x1, x2, x3 = b2 * c3 - b3 * c2, b3 * c1 - b1 * c3, b1 * c2 - b2 * c1
+    determinant = a1 * x1 + a2 * x2 + a3 * x3
+    if not determinant > _SINGULAR:
+        return False
+    share = 1.0 / determinant
+    inverse[0, 0], inverse[1, 0], inverse[2, 0] = share * x1, share * x2, share * x3
+    inverse[0, 1] = share * (c2 * a3 - c3 * a2)
+    inverse[1, 1] = share * (c3 * a1 - c1 * a3)
+    inverse[2, 1] = share * (c1 * a2 - c2 * a1)
+    inverse[0, 2] = inverse[0, 3] = share * (a2 * b3 - a3 * b2)
+    inverse[1, 2] = inverse[1, 3] = share * (a3 * b1 - a1 * b3)
+    inverse[2, 2] = inverse[2, 3] = share * (a1 * b2 - a2 * b1)
     return True
 
 
 @kernel
-def substitute(matrix, pivots, first, end, residual, correction):
+def eliminate(matrix, inverses, first, end):
+    """Factor the block of unknowns `first` to `end` of the matrix in place; False if it is not positive definite.
+
+    Args:
+        matrix: (STAGES R, R, LANES), by column.
+        inverses: (R, STAGES, LANES) of the unknowns' own blocks; written.
+        first, end: of the block.
+    """
+    for q in range(first, end):
+        inverse, number = inverses[q], STAGES * q
+        if not invert(matrix, q, inverse):
+            return False
+        for i in range(q + 1, end):
+            one, two, three = (
+                load4(matrix[number, i], 0),
+                load4(matrix[number + 1, i], 0),
+                load4(matrix[number + 2, i], 0),
+            )
+            for k in range(STAGES):
+                column = inverse[k]
+                store4(matrix[number + k, i], 0, one * column[0] + two * column[1] + three * column[2])
+        for later in range(number + STAGES, STAGES * end):
+            other = matrix[later]
+            one, two, three = other[q, 0], other[q, 1], other[q, 2]
+            for i in range(q + 1, end):
+                shared = load4(matrix[number, i], 0) * one + load4(matrix[number + 1, i], 0) * two
+                store4(other[i], 0, load4(other[i], 0) - shared - load4(matrix[number + 2, i], 0) * three)
+    return True
+
+
+@kernel
+def substitute(matrix, inverses, first, end, residual, correction):
     """Solve for the `correction` (R, LANES) of a block by its factors; the `residual` (R, LANES) is overwritten."""
     for q in range(first, end):
-        for k in range(STAGES):
-            column, share = matrix[STAGES * q + k], residual[q, k]
-            store4(residual[q], 0, load4(residual[q], 0) - load4(_BEHIND[k], 0) * load4(column[q], 0) * share)
-            for i in range(q + 1, end):
-                store4(residual[i], 0, load4(residual[i], 0) - load4(column[i], 0) * share)
+        for i in range(q + 1, end):
+            subtract_product(matrix, q, i, residual[q], residual[i])
     for up in range(end - first):
         q = end - 1 - up
-        for back in range(STAGES):
-            k = STAGES - 1 - back
-            column, solved = matrix[STAGES * q + k], residual[q, k] * pivots[STAGES * q + k]
-            correction[q, k] = solved
-            store4(residual[q], 0, load4(residual[q], 0) - load4(_BEFORE[k], 0) * load4(column[q], 0) * solved)
-            for i in range(first, q):
-                store4(residual[i], 0, load4(residual[i], 0) - load4(column[i], 0) * solved)
-        for s in range(STAGES, LANES):
-            correction[q, s] = correction[q, STAGES - 1]
+        inverse, rest = inverses[q], residual[q]
+        solved = load4(inverse[0], 0) * rest[0] + load4(inverse[1], 0) * rest[1] + load4(inverse[2], 0) * rest[2]
+        store4(correction[q], 0, solved)
+        for i in range(first, q):
+            subtract_product(matrix, q, i, correction[q], residual[i])
+
+
+@kernel
+def subtract_product(matrix, q, i, values, target):
+    """Take the product of the block of rows `i` and columns `q` with values at the stages from a `target` (LANES,)."""
+    total = load4(target, 0)
+    for k in range(STAGES):
+        total = total - load4(matrix[STAGES * q + k, i], 0) * values[k]
+    store4(target, 0, total)

@@ -251,7 +251,7 @@ def factor_matrix(work, n, h, state, renewed):
             reaction_row(state, work, r, h, renewed)
     for r in range(n):
         begins = renewed and work.unknowns[r].first == r
-        if begins and not eliminate(work.matrix, work.pivots, r, work.unknowns[r].end):
+        if begins and not eliminate(work.matrix, work.inverses, r, work.unknowns[r].end):
             return False
     return True
 
@@ -276,7 +276,7 @@ def correct_loads(model, state, work, n, h, renewed):
             store4(load.stage, 0, load4(load.law, 0))
     for r in range(n):
         if work.unknowns[r].first == r:
-            substitute(work.matrix, work.pivots, r, work.unknowns[r].end, work.residual, work.correction)
+            substitute(work.matrix, work.inverses, r, work.unknowns[r].end, work.residual, work.correction)
     for r in range(n):
         load, correction = work.loads[work.unknowns[r].number], load4(work.correction[r], 0)
         store4(load.stage, 0, load4(load.stage, 0) + correction)

@@ -105,6 +105,11 @@ answer_type = record(
     ]
 )
 
+# Components of an end's motion by components of a load there: along by along, across by across, across by turning, and
+# turning by turning.
+ALONG_ALONG, ACROSS_ACROSS, ACROSS_TURNING, TURNING_TURNING = range(4)
+PRODUCTS = 4
+
 # Rows of what moves the modes to the end of a step: values, then rates, by start value, start rate and the loads.
 END_ROWS = 2 * (2 + STAGES)
 
@@ -113,6 +118,9 @@ response_type = record(
     [
         # Of value i by load j of a group, COLUMNS for the load at each stage.
         ("response", np.float64, (GROUPS, VALUES, VALUES, BY_LOAD)),
+        # Of an end itself and of the other one, by PRODUCTS of motion and unit load; at the second end, and of the
+        # first by the second, where across and turning meet, with another sign.
+        ("ends", np.float64, (2, PRODUCTS, BY_LOAD)),
         # Defects of the first value by load j at the start: what the load holds in place does not vibrate.
         ("held", np.float64, (DEFECTS, GROUPS, VALUES)),
         ("unresolved", np.int64),  # number of modes with a defect
@@ -331,6 +339,23 @@ def add_mode(shapes, frequency, answer, group, k, responses):
 
 
 @kernel
+def join_groups(responses):
+    """Fill the motion of the ends by a load at one of them: even and odd groups together."""
+    for product, group, i, j in (
+        (ALONG_ALONG, AXIAL_EVEN, 0, 0),
+        (ACROSS_ACROSS, BENDING_EVEN, 0, 0),
+        (ACROSS_TURNING, BENDING_EVEN, 0, 1),
+        (TURNING_TURNING, BENDING_EVEN, 1, 1),
+    ):
+        even, odd = responses.response[group, i, j], responses.response[group + 1, i, j]
+        # The slopes of what is even are opposite at the ends.
+        sign = -1.0 if product == TURNING_TURNING else 1.0
+        for c in range(BY_LOAD):
+            responses.ends[0, product, c] = even[c] + odd[c]
+            responses.ends[1, product, c] = sign * (even[c] - odd[c])
+
+
+@kernel
 def keep_answer(tables, d, level, k, answer):
     """Copy the answer of mode `k` to the tables."""
     coefficients = answer.coefficient
@@ -366,6 +391,7 @@ def fill_level(panels, tables, level, h):
                     for c in range(BY_LOAD):
                         tables.forced[d, level, group, r, c] = answer.coefficient[FROM_LOAD + c]
                 add_mode(panels.shapes[d], frequency, answer, group, k, responses)
+        join_groups(responses)
 
 
 @kernel

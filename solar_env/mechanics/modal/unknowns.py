@@ -34,15 +34,15 @@ from solar_env.mechanics.modal.motion import (
     outboard_load,
 )
 from solar_env.mechanics.modal.tables import (
-    AXIAL_EVEN,
-    AXIAL_ODD,
-    BENDING_EVEN,
-    BENDING_ODD,
+    ACROSS_ACROSS,
+    ACROSS_TURNING,
+    ALONG_ALONG,
     COLUMNS,
     END_RATE,
     END_VALUE,
     LAST,
     STAGES,
+    TURNING_TURNING,
     side,
 )
 from solar_env.mechanics.numerics.jit import kernel
@@ -70,12 +70,10 @@ def effect_of_torque(model, tables, level, h, j):
         angle += 0.5 * h * h * body.inverse_inertia
         velocity += math.hypot(attachment.x, attachment.y) * body.inverse_inertia * h
         if body.panel != RIGID_BODY:
-            response = tables.responses[body.design, level].response
-            turned, moved = 0.0, 0.0
+            response, turned, moved = tables.responses[body.design, level].ends[0], 0.0, 0.0
             for k in range(STAGES):
-                value, rate = COLUMNS * k + END_VALUE, COLUMNS * k + END_RATE
-                turned += abs(response[BENDING_EVEN, 1, 1, value] + response[BENDING_ODD, 1, 1, value])
-                moved += response[BENDING_EVEN, 0, 1, rate] + response[BENDING_ODD, 0, 1, rate]
+                turned += abs(response[TURNING_TURNING, COLUMNS * k + END_VALUE])
+                moved += response[ACROSS_TURNING, COLUMNS * k + END_RATE]
             angle += turned
             velocity += abs(moved)
     return angle, velocity
@@ -193,70 +191,53 @@ def fill_unit_loads(model, work, n):
 
 
 @kernel
-def enter_motion(motion, i, column, end, same, opposite, both):
-    """Enter a component of the motion of a panel's loaded `end` and, where `both`, of the other one: of its parts that
-    are the same at both ends, and opposite.
-    """
-    store8(motion[end, i], column, same + opposite)
-    if both:
-        store8(motion[1 - end, i], column, same - opposite)
+def add_scaled(sums, gain, motion):
+    """Add a multiple of a motion at the stages (BY_LOAD,) to three vectors, one for the load at each stage."""
+    first, second, third = sums
+    first, second = first + gain * load8(motion, 0), second + gain * load8(motion, COLUMNS)
+    return first, second, third + gain * load8(motion, 2 * COLUMNS)
 
 
 @kernel
-def move_ends(response, load, end, motion, both):
-    """Motion of the `end` of a panel that is loaded, along, across and turning, and where `both` of the other end."""
-    odd = side(end)
-    along, across, torque = load[0], load[1], load[2]
-    for k in range(STAGES):
-        c = COLUMNS * k
-        even = load8(response[AXIAL_EVEN, 0, 0], c) * along
-        other = load8(response[AXIAL_ODD, 0, 0], c) * along
-        enter_motion(motion, 0, c, end, even, other, both)
-        even = load8(response[BENDING_EVEN, 0, 0], c) * across + load8(response[BENDING_EVEN, 0, 1], c) * (odd * torque)
-        other = load8(response[BENDING_ODD, 0, 0], c) * across + load8(response[BENDING_ODD, 0, 1], c) * (odd * torque)
-        enter_motion(motion, 1, c, end, even, other, both)
-        even = load8(response[BENDING_EVEN, 1, 0], c) * (odd * across) + load8(response[BENDING_EVEN, 1, 1], c) * torque
-        other = load8(response[BENDING_ODD, 1, 0], c) * (odd * across) + load8(response[BENDING_ODD, 1, 1], c) * torque
-        enter_motion(motion, 2, c, end, other, even, both)
-
-
-@kernel
-def add_shared(work, model, number, reading, other, opposite, sums):
+def add_shared(work, model, tables, level, number, reading, other, opposite, sums):
     """Add to three vectors the motion read off at an attachment, by a unit of the `other` unknown at one of its own."""
-    attachment, load, (first, second, third) = model.attachments[number], other.load[opposite], sums
-    body = model.bodies[attachment.body]
-    share = (reading[0] * load[0] + reading[1] * load[1]) * body.inverse_mass
-    share += reading[3] * load[3] * body.inverse_inertia
-    first = first + share * load8(work.rigid, 0)
-    second = second + share * load8(work.rigid, COLUMNS)
-    third = third + share * load8(work.rigid, 2 * COLUMNS)
+    attachment, loaded = model.attachments[number], model.attachments[other.attachment[opposite]]
+    body, load = model.bodies[attachment.body], other.load[opposite]
+    along, across = reading[0] * load[0], reading[1] * load[1]
+    rigid = (along + across) * body.inverse_mass + reading[3] * load[3] * body.inverse_inertia
+    sums = add_scaled(sums, rigid, work.rigid)
     if body.panel != RIGID_BODY:
-        motion = other.motion[opposite, attachment.end]
-        for i in range(3):
-            first = first + reading[i] * load8(motion[i], 0)
-            second = second + reading[i] * load8(motion[i], COLUMNS)
-            third = third + reading[i] * load8(motion[i], 2 * COLUMNS)
-    return first, second, third
+        apart = int(attachment.end != loaded.end)
+        motion = tables.responses[body.design, level].ends[apart]
+        turned = reading[1] * load[2] + side(apart) * reading[2] * load[1]
+        sums = add_scaled(sums, along, motion[ALONG_ALONG])
+        sums = add_scaled(sums, across, motion[ACROSS_ACROSS])
+        sums = add_scaled(sums, side(loaded.end) * turned, motion[ACROSS_TURNING])
+        sums = add_scaled(sums, reading[2] * load[2], motion[TURNING_TURNING])
+    return sums
 
 
 @kernel
-def share_motion(model, work, p, q):
-    """Fill the motion that unknown `p` reads off by a unit of unknown `q`: of the bodies that both load."""
+def share_motion(model, work, tables, level, p, q):
+    """Fill the motion that unknown `p` reads off by a unit of unknown `q`, and the other way round.
+
+    It is of the bodies that both load; a cable loop that does not conserve energy breaks the symmetry.
+    """
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
     if one.owner == other.owner and one.faces < FACES and other.faces < FACES:
         for face in range(2):
-            sums = add_shared(work, model, one.attachment[face], one.reading[face], other, face, sums)
+            number, reading = one.attachment[face], one.reading[face]
+            sums = add_shared(work, model, tables, level, number, reading, other, face, sums)
     else:
         for face in range(one.faces):
-            body = model.attachments[one.attachment[face]].body
+            number, reading = one.attachment[face], one.reading[face]
             for opposite in range(other.faces):
-                if model.attachments[other.attachment[opposite]].body == body:
-                    sums = add_shared(work, model, one.attachment[face], one.reading[face], other, opposite, sums)
-    shared = work.mobility[p, q].response
-    store8(shared, 0, sums[0])
-    store8(shared, COLUMNS, sums[1])
-    store8(shared, 2 * COLUMNS, sums[2])
+                if model.attachments[other.attachment[opposite]].body == model.attachments[number].body:
+                    sums = add_shared(work, model, tables, level, number, reading, other, opposite, sums)
+    for response in (work.mobility[q, p].response, work.mobility[p, q].response):
+        for k in range(STAGES):
+            store8(response, COLUMNS * k, sums[k])
 
 
 @kernel
@@ -265,18 +246,8 @@ def fill_mobility(model, work, tables, level, h, n):
     fill_unit_loads(model, work, n)
     for k in range(STAGES):
         store8(work.rigid, COLUMNS * k, joined(h * h * load4(PLACE_BY_LOAD[k], 0), h * load4(VELOCITY_BY_LOAD[k], 0)))
-    for q in range(n):
-        unknown = work.unknowns[q]
-        for face in range(unknown.faces):
-            attachment = model.attachments[unknown.attachment[face]]
-            body = model.bodies[attachment.body]
-            if body.panel != RIGID_BODY:
-                response = tables.responses[body.design, level].response
-                move_ends(response, unknown.load[face], attachment.end, unknown.motion[face], not work.step[0].apart)
     for p in range(n):
         for q in range(work.unknowns[p].first, p + 1):
-            share_motion(model, work, p, q)
+            share_motion(model, work, tables, level, p, q)
             if work.unknowns[p].faces == FACES or work.unknowns[q].faces == FACES:
-                share_motion(model, work, q, p)
-            else:
-                copy_into(work.mobility[q, p].response, work.mobility[p, q].response)
+                share_motion(model, work, tables, level, q, p)

@@ -16,12 +16,13 @@ from solar_env.mechanics.modal.tables import (
     GROUPS,
     LANES,
     LAST,
+    LOW,
     RATE_AT_START,
     STAGES,
     values_of,
 )
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_into, copy_rows
+from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.vectors import load4, splat4, store4, sum_lanes
 
 # A reaction at the end of one step tells little of the error of another that is shorter than this share of it. It tells
@@ -201,8 +202,9 @@ def commit_step(model, state, work, tables, level, h):
 def keep_loads(state, work):
     """Keep the course of the loads over the step, and what damping takes at its end."""
     for k in range(work.loads.size):
-        copy_into(state.course[k], work.loads[k].stage)
+        store4(state.course[k], 0, load4(work.loads[k].stage, 0))
     for p in range(work.panels.size):
         for group in range(GROUPS):
-            copy_rows(state.coupling[p, group], work.panels[p].coupling[group])
+            for r in range(LOW):
+                store4(state.coupling[p, group, r], 0, load4(work.panels[p].coupling[group, r], 0))
     copy_into(state.damping_power, work.damping_power)

@@ -97,7 +97,7 @@ class ModalState(NamedTuple):
 
     q: Array  # (n,) coordinates
     v: Array  # (n,) velocities
-    course: Array  # (loads, STAGES) loads at the stages of the last step, of which the last is its end
+    course: Array  # (loads, LANES) loads at the stages of the last step, of which the last is its end
     coupling: Array  # (panels, GROUPS, LOW, LANES) modal forces of foreshortening at the stages of the last step
     damping_power: Array  # (panels,) [W] that the modes' damping takes at the end of the last step
     turns: Array  # (bodies, 2) cosine and sine of the angle

@@ -38,7 +38,6 @@ from solar_env.mechanics.modal.tables import (
     ODD_ENDS,
     ODD_FIRST,
     RESOLVED,
-    STAGES,
     VALUES,
     Panels,
     Tables,
@@ -189,7 +188,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     state = ModalState(
         q=q,
         v=v,
-        course=np.zeros((JOINT_LOADS * joints + CABLE_LOADS * cables, STAGES)),
+        course=np.zeros((JOINT_LOADS * joints + CABLE_LOADS * cables, LANES)),
         coupling=np.zeros((len(flexible), GROUPS, LOW, LANES)),
         damping_power=np.zeros(len(flexible)),
         turns=np.zeros((len(bodies), 2)),

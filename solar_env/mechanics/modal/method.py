@@ -33,7 +33,6 @@ from solar_env.mechanics.modal.tables import (
     GROUPS,
     LAST,
     LEVELS,
-    STAGES,
     fill_level,
     level_below,
     level_size,
@@ -41,6 +40,7 @@ from solar_env.mechanics.modal.tables import (
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController
+from solar_env.mechanics.numerics.vectors import splat4, store4
 from solar_env.mechanics.records.history import step_limit
 
 CONTROL = StepController(5.0, most_growth=4.0, memory=0.25)
@@ -66,8 +66,7 @@ def convert_settings(chosen: Any) -> ModalSettings:
 @kernel
 def set_load(state, k, load):
     """Set a load, and its course, on from the present state."""
-    for s in range(STAGES):
-        state.course[k, s] = load
+    store4(state.course[k], 0, splat4(load))
 
 
 @kernel(inlined=False)
@@ -100,8 +99,7 @@ def begin_modal(model, state, settings, work):
     clock = state.clock[0]
     start_at_state(state, work)
     for k in range(work.loads.size):
-        for s in range(STAGES):
-            work.loads[k].stage[s] = state.course[k, LAST]
+        store4(work.loads[k].stage, 0, splat4(state.course[k, LAST]))
     take_motion(model, state, work)
     if clock.step_size <= 0.0:
         clock.step_size = _FIRST_STEP

@@ -45,14 +45,6 @@ def copy_into(target, source):
 
 
 @kernel
-def copy_rows(target, source):
-    """Copy a matrix."""
-    for i in range(target.shape[0]):
-        for j in range(target.shape[1]):
-            target[i, j] = source[i, j]
-
-
-@kernel
 def cholesky_factor(a, n):
     """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular.
 

@@ -28,7 +28,7 @@ def cable_torque(cable, stretch):
     on (tensions are never negative: paper, Eqs 2-4). It takes a number, or a vector of several.
     """
     taut_limit = 2.0 * cable.preload_torque / cable.stiffness if cable.stiffness > 0.0 else math.inf
-    magnitude = where_less(stretch, 0.0, -stretch, stretch)
+    magnitude = abs(stretch)
     excess = where_less(taut_limit, magnitude, magnitude - taut_limit, 0.0)
     torque = cable.stiffness * (magnitude - 0.5 * excess)
     slope = cable.stiffness * where_less(taut_limit, magnitude, 0.5, 1.0)

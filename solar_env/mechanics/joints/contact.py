@@ -125,7 +125,7 @@ def friction_share(joint, sliding_speed):
     """
     zero = joint.friction_speed_zero
     steepness = 1.0 / (joint.friction_speed_full - zero)
-    ramp = steepness * (where_less(sliding_speed, 0.0, -sliding_speed, sliding_speed) - zero)
+    ramp = steepness * (abs(sliding_speed) - zero)
     share = where_less(ramp, 1.0, where_less(0.0, ramp, ramp, 0.0), 1.0)
     slope = where_less(0.0, ramp, where_less(ramp, 1.0, steepness, 0.0), 0.0)
     return where_less(sliding_speed, 0.0, -share, share), slope

@@ -37,7 +37,7 @@ def stop_depth(joint, latched, angle):
     below_stow = (joint.stow_angle - joint.stop_gap if joint.has_stow_stop else -math.inf) - angle
     if latched:
         beyond = angle - joint.lock_angle
-        depth = where_less(beyond, 0.0, -beyond, beyond) - joint.stop_gap
+        depth = abs(beyond) - joint.stop_gap
         sign = where_less(depth, below_stow, 1.0, where_less(0.0, beyond, -1.0, 1.0))
         return where_less(depth, below_stow, below_stow, depth), sign
     return below_stow, 1.0 + 0.0 * angle

@@ -4,7 +4,6 @@ import math
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
 from solar_env.mechanics.modal.arrays import PULL_ROW, REACTION_X_ROW, RIGID_BODY
-from solar_env.mechanics.modal.solve import move_stages
 from solar_env.mechanics.modal.tables import (
     AT_START,
     AXIAL_EVEN,
@@ -103,40 +102,34 @@ def step_error(model, state, work, settings, tables, level, h):
 
 
 @kernel
-def move_group(ends, shapes, frequency, forces, moments, q, v):
-    """Move the amplitudes of a group of modes over the step, by their start and the loads of the ends at the stages.
+def number_at(array, k):
+    """Number `k` of an array."""
+    return array[k]
 
-    Returns the sum of the squares of their rates by `frequency` (modes,).
+
+@kernel
+def put_number(array, k, number):
+    """Set number `k` of an array."""
+    array[k] = number
+
+
+@kernel
+def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
+    """Move the amplitude of mode `k` over the step, or four at once where vectors are what `take` and `put` move.
+
+    Returns the square of its rate times `frequency` [1/s]. The loads of the ends are those at the stages.
     """
-    by_value, by_rate, rate_by_value, rate_by_rate = ends[0], ends[1], ends[2 + STAGES], ends[3 + STAGES]
-    first, second, third = ends[2], ends[3], ends[4]
-    rate_first, rate_second, rate_third = ends[4 + STAGES], ends[5 + STAGES], ends[6 + STAGES]
-    whole, sums = q.size - q.size % LANES, splat4(0.0)
-    for k in range(0, whole, LANES):
-        value, rate = load4(q, k), load4(v, k)
-        one, other = load4(shapes[0], k), load4(shapes[1], k)
-        force1 = one * forces[0] + other * moments[0]
-        force2 = one * forces[1] + other * moments[1]
-        force3 = one * forces[2] + other * moments[2]
-        moved = load4(by_value, k) * value + load4(by_rate, k) * rate
-        moved = moved + load4(first, k) * force1 + load4(second, k) * force2 + load4(third, k) * force3
-        gained = load4(rate_by_value, k) * value + load4(rate_by_rate, k) * rate
-        gained = gained + load4(rate_first, k) * force1 + load4(rate_second, k) * force2 + load4(rate_third, k) * force3
-        store4(q, k, moved)
-        store4(v, k, gained)
-        gained = load4(frequency, k) * gained
-        sums = sums + gained * gained
-    total = sum_lanes(sums)
-    for k in range(whole, q.size):
-        value, rate = q[k], v[k]
-        force1 = shapes[0, k] * forces[0] + shapes[1, k] * moments[0]
-        force2 = shapes[0, k] * forces[1] + shapes[1, k] * moments[1]
-        force3 = shapes[0, k] * forces[2] + shapes[1, k] * moments[2]
-        q[k] = by_value[k] * value + by_rate[k] * rate + first[k] * force1 + second[k] * force2 + third[k] * force3
-        moved = rate_by_value[k] * value + rate_by_rate[k] * rate
-        v[k] = moved + rate_first[k] * force1 + rate_second[k] * force2 + rate_third[k] * force3
-        total += (frequency[k] * v[k]) ** 2
-    return total
+    value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
+    moved = take(ends[0], k) * value + take(ends[1], k) * rate
+    gained = take(ends[2 + STAGES], k) * value + take(ends[3 + STAGES], k) * rate
+    for s in range(STAGES):
+        force = one * load[0, s] + other * load[1, s]
+        moved = moved + take(ends[2 + s], k) * force
+        gained = gained + take(ends[4 + STAGES + s], k) * force
+    put(q, k, moved)
+    put(v, k, gained)
+    gained = take(frequency, k) * gained
+    return gained * gained
 
 
 @kernel
@@ -146,8 +139,13 @@ def move_panel(panels, panel, ends, d, q, v):
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         values, rates, frequency = q[begin:end], v[begin:end], panels.frequency[d, begin:end]
-        load, shapes = panel.load[group], panels.shapes[d, :, begin:end]
-        total += move_group(ends[:, begin:end], shapes, frequency, load[0], load[1], values, rates)
+        load, shapes, moves = panel.load[group], panels.shapes[d, :, begin:end], ends[:, begin:end]
+        whole, power = values.size - values.size % LANES, splat4(0.0)
+        for k in range(0, whole, LANES):
+            power = power + move_modes(moves, shapes, frequency, load, values, rates, k, load4, store4)
+        total += sum_lanes(power)
+        for k in range(whole, values.size):
+            total += move_modes(moves, shapes, frequency, load, values, rates, k, number_at, put_number)
         for r in range(panels.coupled[group]):
             before = rates[r]
             for s in range(STAGES):
@@ -178,9 +176,7 @@ def note_extremes(model, state, work, v):
 
 @kernel
 def commit_step(model, state, work, tables, level, h):
-    """Move the workspace's coordinates to the end of the solved step, and fill the motion under its loads."""
-    # The next step takes out what velocity it finds in ideal joints: it must be that of the coordinates.
-    move_stages(model, state, work, tables, level, h, work.step[0].constrained != 0, False)
+    """Move the workspace's coordinates to the end of the solved step."""
     for b in range(model.bodies.size):
         body, frame, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):

@@ -143,7 +143,8 @@ load_scratch = record(
     [
         ("stage", np.float64, LANES),
         ("tolerance", np.float64),
-        # By its law, the slopes of this by the motion that a load works on; of friction that by the normal force.
+        # By its law, the slopes of this by the motion that a load works on; of friction that by the normal force, the
+        # load before.
         ("law", np.float64, LANES),
         ("by_value", np.float64, LANES),
         ("by_rate", np.float64, LANES),
@@ -176,7 +177,6 @@ mobility_type = record([("response", np.float64, BY_LOAD)])
 step_scratch = record(
     [
         ("unknowns", np.int64),  # number
-        ("constrained", np.int64),  # whether there are reactions among them
         ("apart", np.int64),  # whether what a joint's loads do to others is left to the iteration
         ("velocity_tolerance", np.float64),  # [m/s]
         ("foreseen", np.float64, (STAGES, LANES)),  # weight of each load of the last step at each stage of this one

@@ -67,7 +67,7 @@ def add_integrals(model, state, work, h):
             integrals[first + m.NORMAL_DISSIPATION] += sum_lanes(weights * (normal - elastic) * depth_rate)
             integrals[first + m.FRICTION_DISSIPATION] -= sum_lanes(weights * tangential * load4(motion[SLIP], 0))
             integrals[first + m.IMPULSE] += sum_lanes(weights * normal)
-            integrals[first + m.SLIDING_WORK] += sum_lanes(weights * normal * where_less(speed, 0.0, -speed, speed))
+            integrals[first + m.SLIDING_WORK] += sum_lanes(weights * normal * abs(speed))
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         torque = load4(work.loads[model.joints.size + c].stage, 0)

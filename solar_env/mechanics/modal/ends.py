@@ -256,9 +256,9 @@ def bend(panels, panel, forced, d):
 def couple(panels, panel, forced, d):
     """Forces of foreshortening in a panel at the stages, the axial ones first: tension is what they leave.
 
-    The ends must have moved by their loads, among which are the forces on the rest of their values: these change here.
+    `bend` must have been called. The loads of the ends have among them the forces on the rest of their values: these
+    change here.
     """
-    bend(panels, panel, forced, d)
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):
         move_low(panels, panel, forced, d, group)

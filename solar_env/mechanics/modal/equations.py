@@ -14,6 +14,7 @@ from solar_env.mechanics.modal.arrays import (
     REACTION_X_ROW,
     SLIDING_SPEED,
     STRETCH,
+    TANGENTIAL_ROW,
     VELOCITY_X,
     VELOCITY_Y,
 )
@@ -69,25 +70,16 @@ def torque_laws(model, state, work):
 
 
 @kernel
-def enter_row(work, r, by_value, by_rate, diagonal):
-    """Enter a row of Newton's matrix: by what residuals change with motion, and with the unknown itself."""
+def enter_row(work, r, load, diagonal):
+    """Enter a row of Newton's matrix: what the unknown less its law changes by with the unknowns of its block."""
+    tangential = work.unknowns[r].kind == TANGENTIAL_ROW
     for c in range(work.unknowns[r].first, work.unknowns[r].end):
-        moved = work.mobility[r, c].response
+        moved, own = work.mobility[r, c].response, diagonal if c == r else 0.0
+        by_load = -load4(load.by_normal, 0) if tangential and c == r - 1 else splat4(own)
         for k in range(STAGES):
             response = load8(moved, COLUMNS * k)
-            change = by_value * lower_half(response) + by_rate * upper_half(response)
-            if c == r:
-                change = change + diagonal * load4(_UNIT[k], 0)
-            store4(work.matrix[STAGES * c + k, r], 0, change)
-
-
-@kernel
-def torque_row(work, r, renewed):
-    """Row of a torque: its residuals, and their slopes in Newton's matrix where that is `renewed`."""
-    load = work.loads[work.unknowns[r].number]
-    store4(work.residual[r], 0, load4(load.law, 0) - load4(load.stage, 0))
-    if renewed:
-        enter_row(work, r, -load4(load.by_value, 0), -load4(load.by_rate, 0), 1.0)
+            change = load4(load.by_value, 0) * lower_half(response) + load4(load.by_rate, 0) * upper_half(response)
+            store4(work.matrix[STAGES * c + k, r], 0, by_load * load4(_UNIT[k], 0) - change)
 
 
 @kernel
@@ -101,8 +93,9 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
     stage, nothing = load4(normal.stage, 0), splat4(0.0)
     carrying, slope, carried_by_rate = depth_under(joint, stage, rate, speed_zero, load4(normal.give, 0))
     store4(normal.law, 0, where_less(nothing, carrying, stage + slope * (depth - carrying), force))
-    store4(normal.by_value, 0, where_less(nothing, carrying, slope, by_depth))
-    store4(normal.by_rate, 0, where_less(nothing, carrying, carried_by_rate, by_rate))
+    # The motion that it works on is minus the depth.
+    store4(normal.by_value, 0, -where_less(nothing, carrying, slope, by_depth))
+    store4(normal.by_rate, 0, -where_less(nothing, carrying, carried_by_rate, by_rate))
     share, by_slip = friction_share(joint, speed)
     backward = where_less(speed, nothing, speed, load4(tried[0], 0))
     forward = where_less(speed, nothing, load4(tried[1], 0), speed)
@@ -117,10 +110,9 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
     store4(tangential.law, 0, by_normal * pressing)
     by_rate = -joint.friction_coefficient * by_slip * sliding_share(joint, depth) * pressing
     store4(tangential.by_rate, 0, by_rate)
-    magnitude = where_less(speed, nothing, -speed, speed)
     piece = where_less(nothing, depth, 1.0, nothing) + where_less(speed, nothing, 2.0, nothing)
-    piece = piece + where_less(joint.friction_speed_zero, magnitude, 4.0, nothing)
-    return enter_piece(normal, piece + where_less(magnitude, joint.friction_speed_full, nothing, 8.0))
+    piece = piece + where_less(joint.friction_speed_zero, abs(speed), 4.0, nothing)
+    return enter_piece(normal, piece + where_less(abs(speed), joint.friction_speed_full, nothing, 8.0))
 
 
 @kernel
@@ -136,25 +128,8 @@ def contact_laws(model, state, work, n):
 
 
 @kernel
-def contact_rows(work, r, renewed):
-    """Rows of a contact's normal and tangential force, as of a torque."""
-    first = work.unknowns[r].number
-    normal, tangential = work.loads[first], work.loads[first + 1]
-    store4(work.residual[r], 0, load4(normal.law, 0) - load4(normal.stage, 0))
-    store4(work.residual[r + 1], 0, load4(tangential.law, 0) - load4(tangential.stage, 0))
-    if renewed:
-        # The motion that a normal force reads off is minus the depth.
-        enter_row(work, r, load4(normal.by_value, 0), load4(normal.by_rate, 0), 1.0)
-        enter_row(work, r + 1, splat4(0.0), -load4(tangential.by_rate, 0), 1.0)
-        by_normal = load4(tangential.by_normal, 0)
-        for k in range(STAGES):
-            row = work.matrix[STAGES * r + k, r + 1]
-            store4(row, 0, load4(row, 0) - by_normal * load4(_UNIT[k], 0))
-
-
-@kernel
-def reaction_row(state, work, r, h, renewed):
-    """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity."""
+def reaction_law(state, work, r, h):
+    """Fill the residuals of a component of an ideal joint's reaction, its relative velocities, and their slopes."""
     j, kind, response, gain = work.unknowns[r].owner, work.unknowns[r].kind, work.mobility[r, r].response, 0.0
     for k in range(STAGES):
         gain += abs(response[COLUMNS * k + END_RATE])
@@ -165,5 +140,6 @@ def reaction_row(state, work, r, h, renewed):
     back = min(max(gap / max(h, _RETURN_TIME), -limit), limit)
     back = min(max(back, before - change), before + change)
     store4(work.residual[r], 0, -scale * (load4(work.joints[j].motion[column], 0) + back))
-    if renewed:
-        enter_row(work, r, splat4(0.0), splat4(scale), 0.0)
+    load = work.loads[work.unknowns[r].number]
+    store4(load.by_value, 0, splat4(0.0))
+    store4(load.by_rate, 0, splat4(-scale))

@@ -25,13 +25,12 @@ from solar_env.mechanics.modal.arrays import (
     PULL_ROW,
     REACTION_X_ROW,
     RIGID_BODY,
-    TANGENTIAL_ROW,
     VELOCITY_X,
     VELOCITY_Y,
 )
 from solar_env.mechanics.modal.elimination import eliminate, substitute
 from solar_env.mechanics.modal.ends import add_modal_forces, bend, couple, forced_ends, free_ends, shorten_ends
-from solar_env.mechanics.modal.equations import contact_laws, contact_rows, reaction_row, torque_laws, torque_row
+from solar_env.mechanics.modal.equations import contact_laws, enter_row, reaction_law, torque_laws
 from solar_env.mechanics.modal.motion import (
     NODES_IN_LANES,
     distribute_loads,
@@ -74,7 +73,6 @@ _FOLLOWED = 1.6
 _GREATEST_TURN = 0.5
 # Least depth that counts, over the predicted greatest depth of the impact.
 _LEAST_DEPTH = 0.05
-_HERTZ = 2.943275
 # Share of a normal force over rtol by which it may be off whatever the depth says, and the least such load over that
 # which the velocity allows.
 _LOAD_SHARE = 5.0
@@ -174,12 +172,12 @@ def move_stages(model, state, work, tables, level, h, shaped, coupled):
         if p != RIGID_BODY:
             panel, forced = work.panels[p], tables.forced[d, level]
             forced_ends(panel, tables.responses[d, level].response, GROUPS)
+            if shaped:
+                bend(model.panels, panel, forced, d)
             if coupled:
                 couple(model.panels, panel, forced, d)
                 # The forces on the rest of the end values are among the loads.
                 forced_ends(panel, tables.responses[d, level].response, AXIAL_EVEN)
-            elif shaped:
-                bend(model.panels, panel, forced, d)
             add_modal_forces(model.panels, panel, forced, d)
             shorten_ends(panel)
     move_attachments(model, work)
@@ -199,7 +197,7 @@ def velocity_tolerance(model, state, settings):
 
 
 @kernel
-def set_tolerances(state, work, settings, h, n):
+def set_tolerances(model, state, work, settings, h, n):
     """Deviation of each force from its polynomial that errors of the size of the tolerances take."""
     limit = work.step[0].velocity_tolerance
     for r in range(n):
@@ -213,12 +211,9 @@ def set_tolerances(state, work, settings, h, n):
             gain += DEVIATION * abs(response[COLUMNS * k + END_RATE])
         load.tolerance = limit / gain
         if kind == NORMAL_ROW:
-            for s in range(LANES):
-                stage = min(s, LAST)
-                load.give[s] = abs(response[COLUMNS * stage + stage])
             joint_state = state.joints[j]
-            least = _LEAST_DEPTH / _HERTZ * joint_state.impact_speed * joint_state.contact_duration
-            depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], least)
+            greatest = joint_state.impact_speed * joint_state.contact_duration / model.joints[j].contact[3]
+            depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], _LEAST_DEPTH * greatest)
             # A load that is off moves a stiff contact's depth by no more than its share.
             share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.course[work.unknowns[r].number, LAST])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
@@ -233,22 +228,16 @@ def greatest_lane(vector):
 
 
 @kernel
-def magnitude(vector):
-    """The numbers without their signs."""
-    return where_less(vector, 0.0, -vector, vector)
-
-
-@kernel
-def factor_matrix(work, n, h, state, renewed):
+def factor_matrix(state, work, n, h, renewed):
     """Fill the residuals and, where it is `renewed`, Newton's matrix, block by block; False if it is singular."""
     for r in range(n):
-        kind = work.unknowns[r].kind
-        if kind < NORMAL_ROW:
-            torque_row(work, r, renewed)
-        elif kind == NORMAL_ROW:
-            contact_rows(work, r, renewed)
-        elif kind != TANGENTIAL_ROW:
-            reaction_row(state, work, r, h, renewed)
+        load, constraint = work.loads[work.unknowns[r].number], work.unknowns[r].kind >= REACTION_X_ROW
+        if constraint:
+            reaction_law(state, work, r, h)
+        else:
+            store4(work.residual[r], 0, load4(load.law, 0) - load4(load.stage, 0))
+        if renewed:
+            enter_row(work, r, load, 0.0 if constraint else 1.0)
     for r in range(n):
         begins = renewed and work.unknowns[r].first == r
         if begins and not eliminate(work.matrix, work.inverses, r, work.unknowns[r].end):
@@ -265,13 +254,13 @@ def correct_loads(model, state, work, n, h, renewed):
     """
     size = apart = total = splat4(0.0)
     changed = greatest_lane(torque_laws(model, state, work) + contact_laws(model, state, work, n))
-    if not factor_matrix(work, n, h, state, renewed or changed > 0.0):
+    if not factor_matrix(state, work, n, h, renewed or changed > 0.0):
         return math.inf, math.inf
     for k in range(model.joints.size + model.cables.size):
         load = work.loads[k]
         if not load.unknown:
             change = load4(load.law, 0) - load4(load.stage, 0)
-            total, off = total + change, magnitude(change) / load.tolerance
+            total, off = total + change, abs(change) / load.tolerance
             apart = where_less(apart, off, off, apart)
             store4(load.stage, 0, load4(load.law, 0))
     for r in range(n):
@@ -280,7 +269,7 @@ def correct_loads(model, state, work, n, h, renewed):
     for r in range(n):
         load, correction = work.loads[work.unknowns[r].number], load4(work.correction[r], 0)
         store4(load.stage, 0, load4(load.stage, 0) + correction)
-        total, off = total + correction, magnitude(correction) * (1.0 / load.tolerance)
+        total, off = total + correction, abs(correction) * (1.0 / load.tolerance)
         size = where_less(size, off, off, size)
     finite = math.isfinite(lane(total, 0) + lane(total, 1) + lane(total, 2))
     return (greatest_lane(size), greatest_lane(apart)) if finite else (math.inf, math.inf)
@@ -316,16 +305,19 @@ def solve_step(model, state, work, settings, tables, level, h):
     before, renewed, constrained = math.inf, True, False
     for r in range(n):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
-    work.step[0].constrained = constrained
+    done = False
     for iteration in range(_MOST_ITERATIONS):
+        # A reaction holds the joint where foreshortening has it: it must not be left behind. And the next step takes
+        # out what velocity it finds in ideal joints: at the end it must be that of the coordinates.
+        coupled = not done and (constrained or iteration == 0 or before > _COARSE)
+        move_stages(model, state, work, tables, level, h, coupled or constrained, coupled)
+        if done:
+            return True
         state.clock[0].evaluations += 1
-        # A reaction holds the joint where foreshortening has it: it must not be left behind.
-        coupled = constrained or iteration == 0 or before > _COARSE
-        move_stages(model, state, work, tables, level, h, coupled, coupled)
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
-        set_tolerances(state, work, settings, h, n)
+        set_tolerances(model, state, work, settings, h, n)
         size, apart = correct_loads(model, state, work, n, h, renewed)
         shrinking = size < _SHRINKING * before
         size = max(size, apart)
@@ -335,8 +327,8 @@ def solve_step(model, state, work, settings, tables, level, h):
         # joint would be a blow in the next step. A first correction may do without contacts and reactions, whose
         # directions are not known before.
         left = size * size / (before - size) if size < before < math.inf and not constrained else size
-        if min(left, size) <= (_CONVERGED_REACTIONS if constrained else _CONVERGED) and (iteration > 0 or n == 0):
-            return True
+        enough = _CONVERGED_REACTIONS if constrained else _CONVERGED
+        done = min(left, size) <= enough and (iteration > 0 or n == 0)
         renewed = (iteration > 0 and not shrinking) or iteration >= _KEPT_ITERATIONS
         before = size
     work.trial[0].joint = furthest_off(model, work, n)

@@ -40,6 +40,7 @@ from solar_env.mechanics.modal.tables import (
     COLUMNS,
     END_RATE,
     END_VALUE,
+    LANES,
     LAST,
     STAGES,
     TURNING_TURNING,
@@ -218,26 +219,23 @@ def add_shared(work, model, tables, level, number, reading, other, opposite, sum
 
 
 @kernel
-def share_motion(model, work, tables, level, p, q):
-    """Fill the motion that unknown `p` reads off by a unit of unknown `q`, and the other way round.
+def share_motion(model, work, tables, level, p, q, mutual):
+    """Fill the motion that unknown `p` reads off by a unit of unknown `q`, and if `mutual` the other way round.
 
-    It is of the bodies that both load; a cable loop that does not conserve energy breaks the symmetry.
+    It is of the bodies that both load.
     """
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
-    if one.owner == other.owner and one.faces < FACES and other.faces < FACES:
-        for face in range(2):
-            number, reading = one.attachment[face], one.reading[face]
-            sums = add_shared(work, model, tables, level, number, reading, other, face, sums)
-    else:
-        for face in range(one.faces):
-            number, reading = one.attachment[face], one.reading[face]
-            for opposite in range(other.faces):
-                if model.attachments[other.attachment[opposite]].body == model.attachments[number].body:
-                    sums = add_shared(work, model, tables, level, number, reading, other, opposite, sums)
-    for response in (work.mobility[q, p].response, work.mobility[p, q].response):
-        for k in range(STAGES):
-            store8(response, COLUMNS * k, sums[k])
+    for face in range(one.faces):
+        number, reading = one.attachment[face], one.reading[face]
+        for opposite in range(other.faces):
+            if model.attachments[other.attachment[opposite]].body == model.attachments[number].body:
+                sums = add_shared(work, model, tables, level, number, reading, other, opposite, sums)
+    response, reverse = work.mobility[p, q].response, work.mobility[q, p].response
+    for k in range(STAGES):
+        store8(response, COLUMNS * k, sums[k])
+        if mutual:
+            store8(reverse, COLUMNS * k, sums[k])
 
 
 @kernel
@@ -247,7 +245,12 @@ def fill_mobility(model, work, tables, level, h, n):
     for k in range(STAGES):
         store8(work.rigid, COLUMNS * k, joined(h * h * load4(PLACE_BY_LOAD[k], 0), h * load4(VELOCITY_BY_LOAD[k], 0)))
     for p in range(n):
-        for q in range(work.unknowns[p].first, p + 1):
-            share_motion(model, work, tables, level, p, q)
-            if work.unknowns[p].faces == FACES or work.unknowns[q].faces == FACES:
-                share_motion(model, work, tables, level, q, p)
+        for q in range(work.unknowns[p].first, work.unknowns[p].end):
+            # A cable loop that does not conserve energy reads off another motion than it works on.
+            mutual = work.unknowns[p].faces < FACES and work.unknowns[q].faces < FACES
+            if q <= p or not mutual:
+                share_motion(model, work, tables, level, p, q, mutual)
+        if work.unknowns[p].kind == NORMAL_ROW:
+            for s in range(LANES):
+                stage = min(s, LAST)
+                work.loads[work.unknowns[p].number].give[s] = abs(work.mobility[p, p].response[COLUMNS * stage + stage])

@@ -268,8 +268,9 @@ def _raised(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return vector
 
 
+@infer_global(abs)
 @infer_global(operator.neg)
-class _Negation(AbstractTemplate):
+class _OfOneVector(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         return signature(args[0], args[0]) if isinstance(args[0], Vector) else None
 
@@ -277,6 +278,11 @@ class _Negation(AbstractTemplate):
 @lower_builtin(operator.neg, Vector)
 def _negated(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fneg(args[0])
+
+
+@lower_builtin(abs, Vector)
+def _magnitude(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _call(builder, "fabs", sig.return_type, args)
 
 
 def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:

@@ -15,10 +15,11 @@ from solar_env.mechanics.joints.contact import contact_energy, friction_share, n
 from solar_env.mechanics.joints.torques import (
     add_cable_power,
     add_torque_energies,
-    add_torque_powers,
     enter_cable,
     enter_torques,
     hinge_torques,
+    stop_energy,
+    stop_torque,
 )
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
@@ -42,32 +43,41 @@ from solar_env.mechanics.records.history import note_force
 
 # Step [s] in which velocities hardly change, while rounding shows in quotients of differences.
 _SHORT = 1e-6
+_NO_TORQUE = 1e-12  # N m, of a stop
 # Of the stages in an integral over the step, in lanes.
 _WEIGHTS = np.array([*WEIGHTS, 0.0])
 
 
 @kernel
 def add_integrals(model, state, work, h):
-    """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages."""
+    """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages.
+
+    A stop that lets go of its joint dissipates all that it had stored, whatever its law says between the stages.
+    """
     integrals, weights = work.integrals, h * load4(_WEIGHTS, 0)
     for j in range(model.joints.size):
         joint, joint_state, first = model.joints[j], state.joints[j], m.INTEGRALS_PER_JOINT * j
-        motion, force = work.joints[j].motion, force_of(model, j)
-        rate, normal = load4(motion[RATE], 0), load4(work.loads[force].stage, 0)
-        tangential = load4(work.loads[force + 1].stage, 0)
-        torques = hinge_torques(joint, joint_state, load4(motion[ANGLE], 0), rate)
-        add_torque_powers(torques, rate, weights, j, integrals)
+        motion, force, before = work.joints[j].motion, force_of(model, j), state.motion[j]
+        start, end = before[ANGLE], motion[ANGLE, LAST]
+        integrals[first + m.MOTOR_WORK] += joint_state.motor_torque * (end - start)
+        if joint_state.stop_engaged:
+            rate = load4(motion[RATE], 0)
+            torque, elastic, _, _ = stop_torque(joint, joint_state, load4(motion[ANGLE], 0), rate)
+            let_go = sum_lanes(where_less(abs(torque), _NO_TORQUE, 1.0, 0.0)) > 0.0
+            stored = stop_energy(joint, joint_state, end) - stop_energy(joint, joint_state, start)
+            stored = stored if let_go else -sum_lanes(weights * elastic * rate)
+            integrals[first + m.LATCH_DISSIPATION] -= sum_lanes(weights * torque * rate) + stored
+        normal, tangential = load4(work.loads[force].stage, 0), load4(work.loads[force + 1].stage, 0)
         if joint.kind == m.IDEAL:
             reaction = square_roots(normal * normal + tangential * tangential)
             integrals[first + m.IMPULSE] += sum_lanes(weights * reaction)
         elif joint_state.in_contact:
-            depth_rate, speed = load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
-            normal = where_less(0.0, normal, normal, 0.0)
+            normal, depth_rate = where_less(0.0, normal, normal, 0.0), load4(motion[DEPTH_RATE], 0)
             _, elastic, _, _ = normal_force(joint, load4(motion[DEPTH], 0), depth_rate, joint_state.impact_speed)
             integrals[first + m.NORMAL_DISSIPATION] += sum_lanes(weights * (normal - elastic) * depth_rate)
             integrals[first + m.FRICTION_DISSIPATION] -= sum_lanes(weights * tangential * load4(motion[SLIP], 0))
             integrals[first + m.IMPULSE] += sum_lanes(weights * normal)
-            integrals[first + m.SLIDING_WORK] += sum_lanes(weights * normal * abs(speed))
+            integrals[first + m.SLIDING_WORK] += sum_lanes(weights * normal * abs(load4(motion[SLIDING_SPEED], 0)))
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         torque = load4(work.loads[model.joints.size + c].stage, 0)

@@ -28,7 +28,7 @@ from solar_env.mechanics.integrators.methods.table import (
     choose_of,
     commit_of,
     complete_of,
-    contact_angles_of,
+    contact_arcs_of,
     controller_of,
     evaluate_of,
     landing_of,
@@ -137,7 +137,7 @@ def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
         elif joint_state.in_contact:
             note_force(joint_state, motion.force, latched)
             if joint.wear_coefficient > 0.0 and motion.sliding_work > 0.0:
-                journal, bearing = contact_angles_of(settings)(model, state, arrays, j)
+                journal, bearing = contact_arcs_of(settings)(model, state, arrays, j)
                 wear_contact(joint, state, j, journal, bearing, motion.depth, motion.sliding_work)
             if has_parted(joint_state, time, motion.depth, motion.depth_rate):
                 end_contact(state, j, parting_time(start, time, motion.start_depth, motion.depth), recorder)

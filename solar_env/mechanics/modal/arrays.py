@@ -135,6 +135,7 @@ joint_scratch = record(
     [
         ("motion", np.float64, (MOTION_COLUMNS, LANES)),
         ("angle_by_torque", np.float64),  # greatest change over a step [rad/(N m)]
+        ("arcs", np.float64, (2, 2)),  # of journal and bearing that have slid in the step: middle and half [rad]
         ("tried", np.float64, (2, LANES)),  # latest sliding speeds in the iteration: negative, positive
     ]
 )

@@ -49,6 +49,23 @@ _WEIGHTS = np.array([*WEIGHTS, 0.0])
 
 
 @kernel
+def note_arcs(work, joint, scratch, slid):
+    """Keep the arcs of both bodies along which a contact slides in a step: those of the work's mean and variance."""
+    motion, total = scratch.motion, sum_lanes(slid)
+    if total > 0.0:
+        nx, ny, share = load4(motion[NORMAL_X], 0), load4(motion[NORMAL_Y], 0), slid * (1.0 / total)
+        x, y = sum_lanes(share * nx), sum_lanes(share * ny)
+        size = math.sqrt(x * x + y * y)
+        apart, angle = (x * ny - y * nx) * (1.0 / size), math.atan2(y, x)
+        for side in range(2):
+            arc, number = scratch.arcs[side], joint.outboard if side == 0 else joint.inboard
+            direction = load4(work.attachments[number].direction[0], 0)
+            turn = sum_lanes(share * direction)
+            off = apart - (direction - turn)
+            arc[0], arc[1] = angle - turn, math.sqrt(3.0 * sum_lanes(share * off * off))
+
+
+@kernel
 def add_integrals(model, state, work, h):
     """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages.
 
@@ -77,7 +94,9 @@ def add_integrals(model, state, work, h):
             integrals[first + m.NORMAL_DISSIPATION] += sum_lanes(weights * (normal - elastic) * depth_rate)
             integrals[first + m.FRICTION_DISSIPATION] -= sum_lanes(weights * tangential * load4(motion[SLIP], 0))
             integrals[first + m.IMPULSE] += sum_lanes(weights * normal)
-            integrals[first + m.SLIDING_WORK] += sum_lanes(weights * normal * abs(load4(motion[SLIDING_SPEED], 0)))
+            slid = weights * normal * abs(load4(motion[SLIDING_SPEED], 0))
+            integrals[first + m.SLIDING_WORK] += sum_lanes(slid)
+            note_arcs(work, joint, work.joints[j], slid)
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         torque = load4(work.loads[model.joints.size + c].stage, 0)

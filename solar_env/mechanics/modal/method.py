@@ -206,12 +206,10 @@ def evaluate_modal(model, state, work, changed):
 
 
 @kernel
-def contact_angles(model, state, work, j):
-    """Angles [rad] of the line of centres of joint `j` in the frames of the journal's and of the bearing's body."""
-    joint, motion = model.joints[j], state.motion[j]
-    angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
-    journal = angle - state.placements[joint.outboard].direction[0]
-    return journal, angle - state.placements[joint.inboard].direction[0]
+def contact_arcs(model, state, work, j):
+    """Arcs of the journal and of the bearing of joint `j` along which they have slid: middle and half [rad] of each."""
+    journal, bearing = work.joints[j].arcs[0], work.joints[j].arcs[1]
+    return (journal[0], journal[1]), (bearing[0], bearing[1])
 
 
 @kernel

@@ -45,15 +45,16 @@ def latch(state, j, time):
 
 
 @kernel
-def wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_work):
+def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
     """Wear both surfaces of joint `j` by the sliding work [J] of one accepted step.
 
-    The angles [rad] are those of the line of centres in the frames of the two bodies.
+    The line of centres has moved along an arc of each surface, in the frame of its body: middle and half [rad].
     """
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
     worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width
-    add_wear(state.wear_journal[j], journal_angle, half, worn_section, joint.journal_radius)
-    add_wear(state.wear_bearing[j], bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
+    radius = joint.journal_radius
+    add_wear(state.wear_journal[j], journal[0], math.hypot(half, journal[1]), worn_section, radius)
+    add_wear(state.wear_bearing[j], bearing[0], math.hypot(half, bearing[1]), worn_section, radius + joint.clearance)
 
 
 @kernel

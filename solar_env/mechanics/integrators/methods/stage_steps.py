@@ -208,9 +208,9 @@ def open_contact(model, state, arrays, j):
 
 
 @kernel
-def contact_angles(model, state, arrays, j):
-    """Angles [rad] of the line of centres of joint `j` in the frames of the journal's and of the bearing's body."""
+def contact_arcs(model, state, arrays, j):
+    """Arcs of the journal and of the bearing of joint `j` in sliding: where they are at the end of the short step."""
     joint, markers, loads = model.joints[j], model.markers, arrays.work.loads
     ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
     journal = vector_angle(markers[joint.outboard], state.q, ex, ey)
-    return journal, vector_angle(markers[joint.inboard], state.q, ex, ey)
+    return (journal, 0.0), (vector_angle(markers[joint.inboard], state.q, ex, ey), 0.0)

@@ -59,7 +59,8 @@ class Kernels:
             constraints are singular.
         evaluate: fills the rest of `motion` at the accepted state, whose forces an event may have `changed`.
         open_contact: inverse mass [1/kg] that a joint feels as its contact begins.
-        contact_angles: angles of the line of centres in the frames of journal and bearing [rad].
+        contact_arcs: along which the line of centres has moved in the frames of journal and bearing: middle and half of
+            each [rad].
         depth, angle: penetration [m] and angle [rad] of a joint at a share of the step.
         landing: how steps land on events.
         control: the controller of the step size; of a fixed one it is without effect.
@@ -76,7 +77,7 @@ class Kernels:
     commit: Callable
     evaluate: Callable
     open_contact: Callable
-    contact_angles: Callable
+    contact_arcs: Callable
     depth: Callable
     angle: Callable
     landing: int
@@ -123,7 +124,7 @@ _IN_STAGES = Method(
         commit=stage_steps.commit_stages,
         evaluate=stage_steps.evaluate_stages,
         open_contact=stage_steps.open_contact,
-        contact_angles=stage_steps.contact_angles,
+        contact_arcs=stage_steps.contact_arcs,
         depth=stage_steps.depth_in_stages,
         angle=stage_steps.angle_in_stages,
         landing=AT_SHARE,
@@ -151,7 +152,7 @@ METHODS: dict[str, Method] = {
             commit=modal.commit_modal,
             evaluate=modal.evaluate_modal,
             open_contact=modal.open_contact,
-            contact_angles=modal.contact_angles,
+            contact_arcs=modal.contact_arcs,
             depth=modal.depth_of_modal,
             angle=modal.angle_of_modal,
             landing=BY_SOLVING_AGAIN,
@@ -175,7 +176,7 @@ METHODS: dict[str, Method] = {
             commit=generalized_alpha.commit_alpha,
             evaluate=generalized_alpha.evaluate_alpha,
             open_contact=stage_steps.open_contact,
-            contact_angles=stage_steps.contact_angles,
+            contact_arcs=stage_steps.contact_arcs,
             depth=generalized_alpha.depth_at_start,
             angle=generalized_alpha.angle_at_start,
             landing=NOT_AT_ALL,
@@ -212,7 +213,7 @@ sample_of = kernel_of(lambda kernels: kernels.sample)
 commit_of = kernel_of(lambda kernels: kernels.commit)
 evaluate_of = kernel_of(lambda kernels: kernels.evaluate)
 open_contact_of = kernel_of(lambda kernels: kernels.open_contact)
-contact_angles_of = kernel_of(lambda kernels: kernels.contact_angles)
+contact_arcs_of = kernel_of(lambda kernels: kernels.contact_arcs)
 depth_of = kernel_of(lambda kernels: kernels.depth)
 angle_of = kernel_of(lambda kernels: kernels.angle)
 landing_of = kernel_of(lambda kernels: kernels.landing)

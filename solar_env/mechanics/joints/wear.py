@@ -2,12 +2,14 @@
 
 dh = k p ds (J. F. Archard, J. Appl. Phys. 24 (1953) 981, doi:10.1063/1.1721448), with the pressure p spread evenly
 over the arc that the journal presses into the bearing, so that the worn volume of either surface is
-k * integral of (normal force * sliding speed) dt exactly.
+k * integral of (normal force * sliding speed) dt exactly. Over a step the pressed arc moves evenly along another one.
 """
 
 import math
 
 from solar_env.mechanics.numerics.jit import kernel
+
+_NARROWEST = 1e-9  # rad
 
 
 @kernel
@@ -17,22 +19,43 @@ def pressed_half_angle(depth, clearance):
 
 
 @kernel
-def add_wear(depths, angle, half_angle, depth_increment_times_arc, radius):
-    """Spread a wear increment over the bins that the arc angle +- half_angle covers, each by its covered share.
+def share_below(angle, wide, narrow):
+    """Share of the wear below an `angle` [rad] from the middle, where of two arcs one moves along the other.
 
-    Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's frame. The increment is the worn
-    cross-section area [m2], the radius that of the surface [m].
+    Half angles are `wide` and `narrow`: the depth is even in the middle, and falls off linearly to both sides.
+    """
+    distance = abs(angle)
+    rest = wide + narrow - distance
+    if rest <= 0.0:
+        share = 0.0
+    elif distance > wide - narrow:
+        share = rest * rest / (8.0 * wide * narrow)
+    else:
+        share = 0.5 - 0.5 * distance / wide
+    return share if angle < 0.0 else 1.0 - share
+
+
+@kernel
+def add_wear(depths, angle, pressed, moved, section, radius):
+    """Spread worn material over the bins of a surface where an arc presses on it that moves along another one.
+
+    Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's frame.
+
+    Args:
+        depths: written.
+        angle: of the middle of both arcs [rad].
+        pressed, moved: half angles of the arc that is pressed and of that which its middle moves along [rad].
+        section: worn cross-section area [m2].
+        radius: of the surface [m].
     """
     bins = depths.size
     width = 2.0 * math.pi / bins
-    half = max(half_angle, 1e-9)
-    per_radian = depth_increment_times_arc / (2.0 * half) / (radius * width)
-    low = (angle - half) / width
-    high = (angle + half) / width
-    first = math.floor(low)
-    last = math.floor(high)
-    b = int(first) % bins
+    wide, narrow = max(pressed, moved, _NARROWEST), min(pressed, moved)
+    first, last = math.floor((angle - wide - narrow) / width), math.floor((angle + wide + narrow) / width)
+    b, below = int(first) % bins, 0.0
     for k in range(int(last - first) + 1):
-        covered = (min(high, first + k + 1.0) - max(low, first + k)) * width
-        depths[b] += per_radian * covered
+        end = first + k + 1.0
+        share = share_below(end * width - angle, wide, narrow) if end <= last else 1.0
+        depths[b] += (share - below) * section / (radius * width)
+        below = share
         b = b + 1 if b + 1 < bins else 0

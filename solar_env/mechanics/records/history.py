@@ -53,8 +53,8 @@ def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
     worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width
     radius = joint.journal_radius
-    add_wear(state.wear_journal[j], journal[0], math.hypot(half, journal[1]), worn_section, radius)
-    add_wear(state.wear_bearing[j], bearing[0], math.hypot(half, bearing[1]), worn_section, radius + joint.clearance)
+    add_wear(state.wear_journal[j], journal[0], half, journal[1], worn_section, radius)
+    add_wear(state.wear_bearing[j], bearing[0], half, bearing[1], worn_section, radius + joint.clearance)
 
 
 @kernel

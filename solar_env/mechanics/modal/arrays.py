@@ -178,7 +178,6 @@ mobility_type = record([("response", np.float64, BY_LOAD)])
 step_scratch = record(
     [
         ("unknowns", np.int64),  # number
-        ("apart", np.int64),  # whether what a joint's loads do to others is left to the iteration
         ("velocity_tolerance", np.float64),  # [m/s]
         ("foreseen", np.float64, (STAGES, LANES)),  # weight of each load of the last step at each stage of this one
     ]

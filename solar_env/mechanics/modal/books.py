@@ -81,8 +81,10 @@ def add_integrals(model, state, work, h):
             rate = load4(motion[RATE], 0)
             torque, elastic, _, _ = stop_torque(joint, joint_state, load4(motion[ANGLE], 0), rate)
             let_go = sum_lanes(where_less(abs(torque), _NO_TORQUE, 1.0, 0.0)) > 0.0
-            stored = stop_energy(joint, joint_state, end) - stop_energy(joint, joint_state, start)
-            stored = stored if let_go else -sum_lanes(weights * elastic * rate)
+            if let_go:
+                stored = stop_energy(joint, joint_state, end) - stop_energy(joint, joint_state, start)
+            else:
+                stored = -sum_lanes(weights * elastic * rate)
             integrals[first + m.LATCH_DISSIPATION] -= sum_lanes(weights * torque * rate) + stored
         normal, tangential = load4(work.loads[force].stage, 0), load4(work.loads[force + 1].stage, 0)
         if joint.kind == m.IDEAL:
@@ -96,7 +98,8 @@ def add_integrals(model, state, work, h):
             integrals[first + m.IMPULSE] += sum_lanes(weights * normal)
             slid = weights * normal * abs(load4(motion[SLIDING_SPEED], 0))
             integrals[first + m.SLIDING_WORK] += sum_lanes(slid)
-            note_arcs(work, joint, work.joints[j], slid)
+            if joint.wear_coefficient > 0.0:
+                note_arcs(work, joint, work.joints[j], slid)
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         torque = load4(work.loads[model.joints.size + c].stage, 0)

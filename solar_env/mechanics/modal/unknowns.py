@@ -140,7 +140,6 @@ def mark_blocks(work, n, h):
     apart = h < _APART
     for r in range(n):
         apart = apart and work.unknowns[r].faces < FACES and work.unknowns[r].kind < REACTION_X_ROW
-    work.step[0].apart = apart
     first = 0
     for r in range(n):
         if apart and work.unknowns[r].owner != work.unknowns[first].owner:

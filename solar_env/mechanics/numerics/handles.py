@@ -4,8 +4,6 @@ Of other arguments Numba unpacks array after array. For those of a mechanism tha
 call, and the code that does it takes seconds to compile.
 """
 
-from collections.abc import Iterator
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -26,38 +24,36 @@ class Handle:
 
     def __init__(self, arrays: Any) -> None:
         self.arrays = arrays
-        self._words = np.array(list(_words(arrays)), dtype=np.int64)
+        words, form = list[int](), list[Any]()
+        _describe(arrays, words, form)
+        self._words = np.array(words, dtype=np.int64)
         self.address = self._words.ctypes.data
-        self._numba_type_ = _HandleType(_kind(arrays))
+        self._numba_type_ = _TYPES.get(tuple(form)) or _TYPES.setdefault(tuple(form), _HandleType(typeof(arrays)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """For copies and pickles, whose arrays lie elsewhere."""
         return Handle, (self.arrays,)
 
 
-def _kind(entry: Any) -> types.Type:
-    """Numba's type of a named tuple; `typeof` would look at every array for long."""
+def _describe(entry: Any, words: list[int], form: list[Any]) -> None:
+    """Append the members of Numba's structure of an entry, 8 bytes each, and what its type follows from.
+
+    An array has no owner in that structure.
+    """
     if isinstance(entry, tuple):
-        return types.BaseTuple.from_types(tuple(map(_kind, entry)), type(entry))
-    usual = isinstance(entry, np.ndarray) and entry.flags.carray
-    return _kind_of_array(entry.dtype, entry.ndim) if usual else typeof(entry)
-
-
-@cache
-def _kind_of_array(dtype: np.dtype[Any], dimensions: int) -> types.Type:
-    return typeof(np.empty((1,) * dimensions, dtype))
-
-
-def _words(entry: Any) -> Iterator[int]:
-    """The members of Numba's structure of an entry, 8 bytes each; an array has no owner there."""
-    if isinstance(entry, tuple):
+        form += (type(entry), len(entry))
         for part in entry:
-            yield from _words(part)
+            _describe(part, words, form)
     elif isinstance(entry, np.ndarray):
-        address = entry.__array_interface__["data"][0]
-        yield from (0, 0, entry.size, entry.itemsize, address, *entry.shape, *entry.strides)
+        form += (entry.dtype, entry.ndim, entry.flags.num)
+        words += (0, 0, entry.size, entry.itemsize, entry.ctypes.data, *entry.shape, *entry.strides)
     else:
-        yield int(np.array(entry, dtype=type(entry)).view(np.int64))
+        form.append(type(entry))
+        words.append(int(np.array(entry, dtype=type(entry)).view(np.int64)))
+
+
+# Numba's `typeof` looks at arrays, of records at every field, for as long as some steps take.
+_TYPES: dict[tuple[Any, ...], "_HandleType"] = {}
 
 
 def arrays_of(handle: Handle) -> Any:

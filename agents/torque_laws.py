@@ -53,7 +53,8 @@ class Signals:
     def of(cls, env: gymnasium.Env) -> Self:
         """Return the signals of an environment of this project."""
         unwrapped: Any = env.unwrapped
-        return cls(tuple(unwrapped.observation_names), **vars(unwrapped.task))
+        _, *of_task = (item.name for item in fields(cls))
+        return cls(tuple(unwrapped.observation_names), **{name: getattr(unwrapped.task, name) for name in of_task})
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
         """Refuse an environment whose observations or actions have another meaning than these, of `learned_on`.

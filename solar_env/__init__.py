@@ -1,7 +1,7 @@
 """Deployment of a spacecraft's solar array: multibody simulation with clearance joints, and a Gymnasium environment.
 
 Importing this package registers the environments and loads neither the compiler nor a learning library. `simulate` runs
-one deployment; `gymnasium.make("solar_env/Deploy-v1")` makes an environment, `gymnasium.make_vec` many of them.
+one deployment; `gymnasium.make("solar_env/Deploy-v2")` makes an environment, `gymnasium.make_vec` many of them.
 
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `read_parameters` reads
 one from a file, `build` makes its mechanism, `MODELS` are the models' names and `cheapest_level` gives the level of the

@@ -15,14 +15,14 @@ from agents.environments import with_sampling
 from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.torque_laws import Signals
 from solar_env.array.methods import default_integrator
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.task.reward import Reward
-from solar_env.environment.task.task import PRESENT
+from solar_env.environment.task.task import VERSIONS
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE
 
-SAMPLING = with_sampling({}, DEPLOY)["randomize"]
-TASK = PRESENT.task
+SAMPLING = with_sampling({}, DEPLOY_V1)["randomize"]
+TASK = VERSIONS["v1"].task
 # What costs 1, the most that either of the two can cost, and what a missed deadline costs.
 FORCE_SCALE, WORK_SCALE, LARGEST, MISSED = 500.0, 0.1, 12.0, 25.0
 WORST_DEPLOYMENT = -2.0 * LARGEST
@@ -62,7 +62,7 @@ class ChargedEpisode:
 
 def deploy(laws, **keywords):
     """An episode of every law, side by side; a law makes an action of an observation and the number of the step."""
-    env = gymnasium.make_vec(DEPLOY, num_envs=len(laws), **keywords)
+    env = gymnasium.make_vec(DEPLOY_V1, num_envs=len(laws), **keywords)
     observations, _ = env.reset(seed=0)
     runs = [ChargedEpisode() for _ in laws]
     step = 0
@@ -79,7 +79,7 @@ def deploy(laws, **keywords):
                 continue
             run.actions.append(actions[lane])
             run.times.append(float(info["time_s"][lane]))
-            run.terms.append([float(info["reward_terms"][name][lane]) for name in Reward().names])
+            run.terms.append([float(info["reward_terms"][name][lane]) for name in Reward(version=VERSIONS["v1"]).names])
             if terminations[lane]:
                 run.figures = {name: values[lane] for name, values in info["deployment"].items() if name[0] != "_"}
         step += 1
@@ -138,7 +138,7 @@ def erratic(seed):
 
 
 def viscous(damping, settling_damping):
-    law = ViscousDamper(Signals.of(gymnasium.make(DEPLOY)), DamperParameters(damping, settling_damping))
+    law = ViscousDamper(Signals.of(gymnasium.make(DEPLOY_V1)), DamperParameters(damping, settling_damping))
     return lambda observation, step: law.predict(observation)[0][0]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gymnasium
 import numpy as np
 
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
 # Springs that deploy the array within three seconds.
@@ -16,7 +16,7 @@ LATE_ROOT = {"cable_stiffness": 0.02}
 
 
 def make(model="rigid-clearance", **keywords):
-    return gymnasium.make(DEPLOY, model=model, **keywords).unwrapped
+    return gymnasium.make(DEPLOY_V1, model=model, **keywords).unwrapped
 
 
 def watch(env, actions, seed=0):
@@ -45,7 +45,7 @@ def main_body_spin(state):
 
 
 def make_vector(lanes=LANES, **keywords):
-    return gymnasium.make_vec(DEPLOY, num_envs=lanes, **keywords)
+    return gymnasium.make_vec(DEPLOY_V1, num_envs=lanes, **keywords)
 
 
 def random_actions(steps, lanes=LANES, seed=0):

@@ -21,14 +21,14 @@ from agents.learning import runs
 from agents.policies import shipped
 from agents.rollout import Figures, are_figures, run_episode
 from agents.torque_laws import Controller, LawParameters
-from solar_env.environment.registration import DEPLOY, DEPLOY_RANDOMISED
+from solar_env.environment.registration import DEPLOY_RANDOMISED_V1, DEPLOY_V1
 from solar_env.support.campaigns import Campaign, Cell, each_done
 from solar_env.support.progress import counting_bar
 
 STORE = "episodes.jsonl"
 """Name of a file that keeps the figures of finished episodes."""
 # Name -> environment id of the scenario.
-SUITES = {"paper": DEPLOY, "robust": DEPLOY_RANDOMISED}
+SUITES = {"paper": DEPLOY_V1, "robust": DEPLOY_RANDOMISED_V1}
 
 
 def suite_controllers(env_id: str) -> list[str]:

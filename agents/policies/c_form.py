@@ -8,9 +8,9 @@ import numpy as np
 from agents.policies.network import PolicyNetwork
 from agents.policies.shipped import Description
 from solar_env.environment.hardware import Hardware
+from solar_env.environment.task.drive import SLOWEST, STEEPNESS
 from solar_env.environment.task.features import FEATURES, FORMULA_WORDS, Feature
 from solar_env.environment.task.observations import OBSERVABLES, Observable
-from solar_env.environment.task.task import SLOWEST, STEEPNESS
 
 _ACTIVATIONS = {"relu": "fmaxf(sum, 0.0f)", "tanh": "tanhf(sum)"}
 

@@ -21,12 +21,20 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """## Description
 
     A spacecraft's folded solar panels swing open on torsion springs, synchronised by cable loops, latch, and then
-    hammer in the clearances of their hinges. A motor on one hinge, by default the root's, adds a torque to the
-    spring's. The task is to deploy in time and softly: with little peak force after latching, and little wear.
+    hammer in the clearances of their hinges. The drive of one hinge, by default the root's, works with the springs and
+    against them. The task is to deploy in time and softly: with little peak force after latching, and little wear.
 
     The physics is that of Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
     steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of 1e-5 to 3e-3 s with flexible ones.
     Everything is deterministic; `reset(seed=...)` fixes the draws of `randomize` and the noise.
+
+    | Quantity | Keyword | Value |
+    |----------|---------|-------|
+    | time between two actions | `control_period` | 0.5 s |
+    | time by which every joint should have latched | `deadline` | 20 s |
+    | end of an episode in which a joint stays open | | 40 s, twice the deadline |
+    | time from the last latching to the end | `settling_window` | 10 s |
+    | greatest motor torque | `torque_limit` | 1 N m, for other arrays and joints in proportion to the springs' load |
 
     ## Action Space
 
@@ -34,12 +42,20 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     | Num | Action | Min | Max | Unit |
     |-----|--------|-----|-----|------|
-    | 0   | Motor torque on the driven hinge, positive opens; held for a period | -1 | 1 | `torque_limit` (N m) |
+    | 0   | Logarithm of the rate at which the driven hinge is to open | -1 | 1 | 4.5 |
 
-    With `action="rate"` the action a is the setpoint 5e-4 sinh(7 a) rad/s, up to 0.27 either way, of the hinge drive's
-    rate loop: a motor torque of `rate_loop_gain` times the error of the hinge's rate, at most the torque limit, is
-    set `rate_loop_frequency` times in a second, behind a low-pass filter of `rate_loop_lag`. They are of the keyword
-    `hardware`, by default 12 N m s/rad, 100 Hz and 0.1 s.
+    The drive asks for a rate of 0.098 exp(u) rad/s, where u follows 4.5 times the action with a lag of 5 s; where u is
+    positive, for 0.098 (1 + 0.05 u) rad/s. An action of 0 deploys the array unhurriedly: 0.098 rad/s opens the hinge in
+    0.8 of the deadline. An action of -1 slows it down to a ninetieth of that.
+
+    A loop holds that rate. 20 times a second the motor's torque becomes 25 N m s/rad times the error of the rate, less
+    the torque that the springs exert by their parameters before anything is drawn; it stays within the limit and passes
+    a low-pass filter of 0.1 s. The setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes the loop;
+    four panels and more need a greater `rate_loop_gain`. After the last latching the drive alone brings the array to
+    rest: it asks for a rate of 0, and the step in which the array latches lasts until the episode ends.
+
+    With `action="torque"` an action is the motor's torque in units of the limit, positive opens; with `action="rate"`
+    it is the setpoint 5e-4 sinh(7 a) rad/s, up to 0.27 either way.
 
     ## Observation Space
 
@@ -49,6 +65,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     <observables>
 
+    * "scaled" is the default: distances to the locks and opening rates on a logarithmic scale, of order one where the
+      landing is decided, latch switches, time, and the setpoint.
     * "drive" observes what a hinge drive can measure: `theta_i`, `rate_i`, `latched_i`, `motor_torque`,
       `time_to_deadline`, `time_since_latch`.
     * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
@@ -62,14 +80,19 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ## Rewards
 
     The sum of the terms in `info["reward_terms"]`: each is minus the growth, in this step, of what a physical figure of
-    the episode costs, `weight * min(figure / scale, bound)`. Over an episode a term adds up to minus what the figure
-    costs at its end. The keyword `reward` changes weights, scales and bounds; terms of weight 0 are left out.
+    the episode costs, `weight * x`, or in decades `weight * log10(1 + x)`, where x is `min(figure / scale, bound)`.
+    Over an episode a term adds up to minus what the figure costs at its end. The keyword `reward` changes weights,
+    scales, bounds and forms; terms of weight 0 are left out.
 
     <terms>
 
     Forces and sliding work are summed over the joints, spins read at the ends of the control periods, and the motor's
-    work counts whether it drives or brakes. A missed deadline must cost more than all other terms can together. The
-    passive deployment (no motor torque) returns about -2.8.
+    work counts whether it drives or brakes. An array that latches after t seconds returns
+
+        3.2 - log10(1 + F / 1 N) - 2 log10(1 + W / 1 mJ) - 0.01 t - 2 max(0, t - 19.5),
+
+    of a force F and a work W: a decade of force costs 1, a decade of work 2. The way is paid as it is made, 3.2 in all.
+    A missed deadline must cost more than force and work can together, and costs all the time that it takes besides.
 
     ## Starting State
 
@@ -79,16 +102,20 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Episode End
 
-    * Termination: `settling_window` after the last latching (the last step is cut to end there), or at the deadline if
+    * Termination: `settling_window` after the last latching, in the step of that latching, or at twice the deadline if
       a joint is still open.
-    * Truncation: never by itself. With the defaults an episode has at most 300 steps.
+    * Truncation: never by itself. With the defaults an episode has at most 80 steps, a deployment in time 40.
+
+    Version 1 of the task, `solar_env/Deploy-v1`, has an action of torque, 0.1 s and a limit of 0.5 N m, ends at the
+    deadline, leaves the settling to the agent, and charges force and work by their amounts.
 
     ## Information
 
     Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the figures of the episode
     (`latched`, `latch_times_s`, `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`,
     `postlock_impulse_Ns`, `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint but the
-    first, `motor_work_J`, `energy_residual_J`, `duration_s`).
+    first, `motor_work_J`, `energy_residual_J`, `duration_s`), and `v1_return`, what the same deployment returns at the
+    prices of version 1.
 
     ## Arguments
 

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
+from solar_env.environment.task.drive import task_numbers
 from solar_env.environment.task.periods import hold_lanes, make_periods, observe_lanes
+from solar_env.environment.task.reward import v1_return
 from solar_env.environment.task.sensors import Memory
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
@@ -24,7 +26,7 @@ Info = dict[str, Any]  # of a step or a deployment, as the environments tell it
 
 class SavedEpisode(NamedTuple):
     """An episode between two of its steps, see `Episodes.save`: the simulation's state, mid-contact included, the terms
-    of the reward with their accounts, the torques of the rate loops [N m] and the memory of the sensors.
+    of the reward with their accounts, what the drives remember and the memory of the sensors.
     """
 
     parameters: ArrayParameters
@@ -32,7 +34,7 @@ class SavedEpisode(NamedTuple):
     names: tuple[str, ...]
     terms: NDArray[np.float64]
     account: NDArray[np.float64]
-    loop_torques: NDArray[np.float64]
+    drives: NDArray[np.float64]
     sensors: Memory
 
 
@@ -55,7 +57,8 @@ class Episodes:
         """Without episodes yet: they begin with `reset`; `threads`: see `Batch`."""
         self.settings, self.designs, self.parameters = settings, tuple(designs), list(designs)
         lanes = len(designs)
-        self._sensors, self._numbers = settings.sensors(lanes), settings.task.numbers(settings.devices)
+        self._sensors = settings.sensors(lanes)
+        self._numbers = task_numbers(settings.task, settings.devices, settings.array)
         self._periods = make_periods(lanes, self._numbers, len(settings.terms.names), self._sensors.exact)
         self.observations, self.terminated = self._sensors.observed, self._periods.terminated
         self.terms, self.rewards = self._periods.terms, self._periods.rewards
@@ -115,9 +118,16 @@ class Episodes:
             self.parameters[lane] = parameters
             self._films[lane] = Film(self.settings)
         self.terminated[lanes] = False
-        for values in (self.terms, self.rewards, self._periods.accounts, self._periods.loop_torques):
+        for values in (self.terms, self.rewards, self._periods.accounts, self._periods.drives):
             values[lanes] = 0.0
-        observe_lanes(*self._batch.handles, self._numbers, self._sensors.channels, lanes, self._sensors.exact)
+        observe_lanes(
+            *self._batch.handles,
+            self._numbers,
+            self._sensors.channels,
+            self._periods.drives,
+            lanes,
+            self._sensors.exact,
+        )
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
@@ -157,10 +167,10 @@ class Episodes:
     def save(self, lane: int) -> SavedEpisode:
         """The present episode of a lane, to be gone on with later, in any lane of episodes with the same settings."""
         state, sensors = self.batch.simulations[lane].snapshot(), self._sensors.memory(lane)
-        account, terms, torques = (
-            values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.loop_torques)
+        account, terms, drives = (
+            values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.drives)
         )
-        return SavedEpisode(self.parameters[lane], state, self.settings.terms.names, terms, account, torques, sensors)
+        return SavedEpisode(self.parameters[lane], state, self.settings.terms.names, terms, account, drives, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
@@ -186,7 +196,7 @@ class Episodes:
     def _recall(self, lane: int, saved: SavedEpisode) -> None:
         """Take over what a saved episode has beside the state of its simulation."""
         self.parameters[lane], self.terminated[lane] = saved.parameters, False
-        self._periods.accounts[lane], self._periods.loop_torques[lane] = saved.account, saved.loop_torques
+        self._periods.accounts[lane], self._periods.drives[lane] = saved.account, saved.drives
         self.terms[lane], self.rewards[lane] = saved.terms, saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
 
@@ -221,7 +231,7 @@ class Episodes:
         by_joint = m.joint_integrals(state.integrals)
         locked = float(state.clock["latched_joints"][0] > 0)
         latches = zip(joints["latch_time"], joints["latched"], strict=True)
-        return {
+        figures: Info = {
             "latched": bool(joints["latched"].all()),
             "latch_times_s": [float(time) if latched else None for time, latched in latches],
             "peak_prelatch_force_N": joints["lock_peak_force" if locked else "peak_force"].tolist(),
@@ -235,6 +245,7 @@ class Episodes:
             "energy_residual_J": simulation.energy_residual(),
             "duration_s": simulation.time,
         }
+        return {**figures, "v1_return": v1_return(figures)}
 
     def draw_from(self, lane: int, generator: np.random.Generator) -> None:
         """Let a generator draw the noise of a lane's sensors from now on."""

@@ -26,11 +26,14 @@ class Hardware:
         motor_lag: time constant with which the motor torque follows the action [s]; 0 for none.
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
         attitude_noise: standard deviation of the noise of the measured direction of the main body [rad].
-        rate_loop_gain: torque of the drive's rate loop per error of the rate [N m s/rad]; of `action="rate"`.
+        rate_loop_gain: torque of the drive's rate loop per error of the rate [N m s/rad].
         rate_loop_frequency: samples of that loop in a second [Hz]; it reads its rate with `rate_noise` and without
             delay, and holds its torque from one sample to the next.
         rate_loop_lag: time constant of the low-pass filter of that loop's torque [s]; 0 for none. Without it the loop
             answers the journals' rattle in their bearings, and shakes flexible panels.
+        setpoint_rate_limit: greatest rate of change of that loop's setpoint [rad/s^2].
+        load_compensation: whether the loop adds the torque that the springs exert, by their parameters before anything
+            is drawn: what the drive's maker knows.
     """
 
     angle_noise: float = number(0.0, _NOT_NEGATIVE)
@@ -43,6 +46,8 @@ class Hardware:
     rate_loop_gain: float = number(12.0, _POSITIVE)
     rate_loop_frequency: float = number(100.0, _POSITIVE)
     rate_loop_lag: float = number(0.1, _NOT_NEGATIVE)
+    setpoint_rate_limit: float = number(math.inf, Rule(math.ulp(0.0), math.inf, "must be a positive number"))
+    load_compensation: bool = False
 
     def __post_init__(self) -> None:
         check_rows(self)

@@ -19,6 +19,7 @@ ENVIRONMENTS = {environment_id(*pair): pair for pair in itertools.product(SCENAR
 # Ids of the present version; Gymnasium warns whoever makes one of the others.
 CURRENT = tuple(environment_id(scenario) for scenario in SCENARIOS)
 DEPLOY, DEPLOY_RANDOMISED = environment_id("nominal"), environment_id("randomised")
+DEPLOY_V1, DEPLOY_RANDOMISED_V1 = (environment_id(scenario, "v1") for scenario in ("nominal", "randomised"))
 
 
 def register_environments() -> None:

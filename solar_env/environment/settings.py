@@ -13,6 +13,7 @@ from solar_env.array.methods import default_integrator
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import SCENARIOS
+from solar_env.environment.task.drive import spring_load
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
@@ -36,10 +37,10 @@ class EnvironmentSettings:
             forces and nothing wears. `solar_env.cheapest_level("controller-ranking", 0.2)` gives the cheapest level
             that answers a question.
         parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
-        version: of the task, with the values of the next four keywords and the prices of the reward.
-        torque_limit, control_period, deadline, settling_window: see `task.task.Task`; by default the version's.
-        driven_joint, action: see `task.task.Task`.
-        observation: "drive", "history", "landing" or "privileged", or names of observables, such as
+        version: of the task, which all that follows has its defaults from: its limits and times, what is observed and
+            what an action is, the drive's loop and the prices of the reward.
+        torque_limit, control_period, deadline, settling_window, driven_joint, action: see `task.task.Task`.
+        observation: "scaled", "drive", "history", "landing" or "privileged", or names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
             of the four in a list stands for all that it has.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound", which changes the
@@ -63,8 +64,8 @@ class EnvironmentSettings:
     deadline: float | None = None
     settling_window: float | None = None
     driven_joint: int = Task.driven_joint
-    action: str = Task.action
-    observation: str | Names = "drive"
+    action: str | None = None
+    observation: str | Names | None = None
     reward: Changes | None = None
     scenario: str = "nominal"
     randomize: Ranges | None = None
@@ -133,12 +134,13 @@ class EnvironmentSettings:
         """Sensors and motor."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
-        return changed("hardware", SCENARIOS[self.scenario].hardware, self.hardware or {})
+        usual = changed("hardware", SCENARIOS[self.scenario].hardware, VERSIONS[self.version].hardware)
+        return changed("hardware", usual, self.hardware or {})
 
     @cached_property
     def task(self) -> Task:
         """Limits, durations and the driven joint."""
-        given = {item.name: getattr(self, item.name) for item in fields(Task)}
+        given = {item.name: getattr(self, item.name, None) for item in fields(Task)}
         usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
         if task.driven_joint >= len(self.array.joints):
@@ -146,13 +148,19 @@ class EnvironmentSettings:
                 f"driven_joint = {task.driven_joint!r} must be below {len(self.array.joints)}, the number of joints; "
                 "the root has index 0"
             )
+        if self.torque_limit is None and self.devices.load_compensation:
+            # The maker of a drive that is to hold the springs' load chooses the motor by it.
+            load, _ = spring_load(self.array, task.driven_joint)
+            usual_load, _ = spring_load(ArrayParameters(), 0)
+            task = replace(task, torque_limit=task.torque_limit * load / usual_load)
         task.samples(self.devices)  # refuses a loop whose samples do not fit into a control period
         return task
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
         """Entries of an observation, in order."""
-        return observation_entries(len(self.array.joints), self.observation)
+        observation = VERSIONS[self.version].observation if self.observation is None else self.observation
+        return observation_entries(len(self.array.joints), observation)
 
     @property
     def observation_names(self) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ Results = tuple[Observation, NDArray[np.float64], Flags, Flags, Info]
 class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
     """Several of `solar_env.SolarArrayEnv`, which describes actions, observations, rewards and info.
 
-    `gymnasium.make_vec("solar_env/Deploy-v1", num_envs=64)` makes it. All lanes advance in one compiled call a
+    `gymnasium.make_vec("solar_env/Deploy-v2", num_envs=64)` makes it. All lanes advance in one compiled call a
     thread, without the interpreter lock; the threads share a queue of lanes, so that lanes full of impacts do not keep
     the others waiting. Lane i gives what a single environment gives with the same seed and actions, to the last bit,
     whatever the number of lanes and threads. Returned arrays are the caller's.

@@ -7,7 +7,7 @@ import pytest
 import solar_env  # noqa: F401 (registers the environments)
 from solar_env.__main__ import main
 from solar_env.array import methods as compilation
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 FUNCTIONS = (compilation.announce_compilation, compilation.mark_compiled)
 
@@ -28,7 +28,7 @@ def test_the_first_episode_says_that_it_compiles_and_remembers_it(lanes, nothing
     said = []
     for _ in range(2):
         make = gymnasium.make_vec if lanes else gymnasium.make
-        env = make(DEPLOY, model="rigid-ideal", **({"num_envs": lanes} if lanes else {}))
+        env = make(DEPLOY_V1, model="rigid-ideal", **({"num_envs": lanes} if lanes else {}))
         assert capsys.readouterr().err == "", "what is not simulated is not compiled"
         env.reset(seed=0)
         env.reset(seed=0)

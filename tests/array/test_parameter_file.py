@@ -14,7 +14,7 @@ from solar_env.__main__ import main
 from solar_env.array import PRESETS, ArrayParameters
 from solar_env.array.parameters import checks
 from solar_env.array.parameters.file import explanations, parameter_text, read_parameters
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 
@@ -59,7 +59,7 @@ def test_tolerances_are_ranges_about_the_values_and_environments_take_both(file)
     np.testing.assert_allclose(read.randomize["clearance"], [[0.8e-4, 1.8e-4], [1.2e-4, 2.2e-4]], rtol=1e-12)
     np.testing.assert_allclose(read.randomize["body_inertia"], [245.0, 255.0], rtol=1e-12)
     assert read.randomize["body_mass"] == (1e3, 2e3)
-    settings = EnvironmentSettings.of(gymnasium.make(DEPLOY, **read._asdict()).spec.kwargs)
+    settings = EnvironmentSettings.of(gymnasium.make(DEPLOY_V1, **read._asdict()).spec.kwargs)
     assert settings.array == read.parameters
     assert settings.ranges == read.randomize
 

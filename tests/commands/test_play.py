@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solar_env.__main__ import main
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 pygame = pytest.importorskip("pygame")
 
@@ -16,7 +16,7 @@ pygame = pytest.importorskip("pygame")
 def player():
     from solar_env.commands.play import Player
 
-    env = gymnasium.make(DEPLOY, render_mode="rgb_array", model="rigid-ideal")
+    env = gymnasium.make(DEPLOY_V1, render_mode="rgb_array", model="rigid-ideal")
     yield Player(env, seed=0)
     pygame.quit()
 
@@ -67,7 +67,7 @@ def test_an_episode_is_paused_played_and_begun_anew(player):
 
 def test_an_episode_that_has_ended_stays_and_its_score_is_the_return(player):
     press(player, pygame.K_SPACE)
-    env = gymnasium.make(DEPLOY, model="rigid-ideal")
+    env = gymnasium.make(DEPLOY_V1, model="rigid-ideal")
     env.reset(seed=0)
     expected, ended = 0.0, False
     while not ended:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from solar_env.array import MODELS
-from solar_env.environment.registration import DEPLOY_RANDOMISED
+from solar_env.environment.registration import DEPLOY_RANDOMISED_V1
 
 LANES, STEPS = 50, 5000
 # Actions hold for so many steps: white noise, and torques that drive the array into its stops.
@@ -29,7 +29,9 @@ def used_memory():
 @pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS)
 def test_every_step_under_random_torques_gives_numbers_and_leaks_nothing(model):
-    env = gymnasium.make_vec(DEPLOY_RANDOMISED, LANES, model=model, observation="privileged", autoreset_mode="SameStep")
+    env = gymnasium.make_vec(
+        DEPLOY_RANDOMISED_V1, LANES, model=model, observation="privileged", autoreset_mode="SameStep"
+    )
     rng = np.random.default_rng(0)
     held, actions, residuals = HELD[np.arange(LANES) % HELD.size], np.zeros((LANES, 1), np.float32), []
     memory = []

@@ -12,7 +12,7 @@ from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.laws.servo import ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
 from agents.torque_laws import Signals
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.task.observations import observation_entries
 
 SHORT = {"model": "rigid-ideal", "control_period": 1e-3}
@@ -20,7 +20,7 @@ joints = pytest.mark.parametrize("joint", [0, 1])
 
 
 def make(joint, **keywords):
-    return gymnasium.make(DEPLOY, driven_joint=joint, **{**SHORT, **keywords}).unwrapped
+    return gymnasium.make(DEPLOY_V1, driven_joint=joint, **{**SHORT, **keywords}).unwrapped
 
 
 @joints

@@ -16,7 +16,7 @@ from gymnasium.utils.env_checker import check_env as check_by_gymnasium
 from stable_baselines3.common.env_checker import check_env as check_by_stable_baselines3
 
 import solar_env
-from solar_env.environment.registration import CURRENT, DEPLOY, DEPLOY_RANDOMISED
+from solar_env.environment.registration import CURRENT, DEPLOY_RANDOMISED_V1, DEPLOY_V1
 from solar_env.environment.task.observations import OBSERVABLES
 from solar_env.environment.task.reward import REWARD_TERMS
 
@@ -110,7 +110,7 @@ def test_the_same_seed_gives_the_same_bits_in_two_processes():
     keywords = {"parameters": STRONG, "randomize": RANGES}
     program = (
         "import gymnasium, solar_env, hashlib\n"
-        f"env = gymnasium.make({DEPLOY!r}, **{keywords!r}).unwrapped\n"
+        f"env = gymnasium.make({DEPLOY_V1!r}, **{keywords!r}).unwrapped\n"
         "observation, _ = env.reset(seed=7)\n"
         "digest = hashlib.sha256(observation.tobytes())\n"
         "env.action_space.seed(3)\n"
@@ -139,7 +139,7 @@ def test_observations_and_rewards_are_the_same_uncompiled(run_python):
     }
     program = (
         "import gymnasium, solar_env\n"
-        f"env = gymnasium.make({DEPLOY_RANDOMISED!r}, **{keywords!r})\n"
+        f"env = gymnasium.make({DEPLOY_RANDOMISED_V1!r}, **{keywords!r})\n"
         "print(*env.reset(seed=7)[0])\n"
         "for action in (0.5, -0.3, 0.1):\n"
         "    observation, reward, _, _, info = env.step([action])\n"
@@ -153,7 +153,7 @@ def test_observations_and_rewards_are_the_same_uncompiled(run_python):
 
 
 def test_seeds_fix_the_draws_and_successive_resets_draw_anew():
-    env = gymnasium.make(DEPLOY, randomize=RANGES).unwrapped
+    env = gymnasium.make(DEPLOY_V1, randomize=RANGES).unwrapped
     draws = []
     for seed in (1, None, 1):
         env.reset(seed=seed)
@@ -165,7 +165,7 @@ def test_seeds_fix_the_draws_and_successive_resets_draw_anew():
 
 
 def test_reset_options_change_one_episode_only():
-    env = gymnasium.make(DEPLOY).unwrapped
+    env = gymnasium.make(DEPLOY_V1).unwrapped
     env.reset(options={"parameters": {"clearance": 1e-4}})
     assert env.episode_parameters.clearance == 1e-4
     env.reset()
@@ -188,7 +188,7 @@ def test_wrong_keywords_are_refused_by_name():
 
 
 def test_an_action_that_is_none_is_refused_and_leaves_the_episode_running():
-    env = gymnasium.make(DEPLOY).unwrapped
+    env = gymnasium.make(DEPLOY_V1).unwrapped
     env.reset(seed=0)
     for action in ([0.0, 0.0], 0.0, [], [math.nan], [-math.inf], 10**400, [10**400]):
         with pytest.raises(ValueError, match=r"shape|finite"):
@@ -198,7 +198,7 @@ def test_an_action_that_is_none_is_refused_and_leaves_the_episode_running():
 
 
 def test_actions_outside_the_box_are_clipped_and_reset_options_checked():
-    env = gymnasium.make(DEPLOY).unwrapped
+    env = gymnasium.make(DEPLOY_V1).unwrapped
     env.reset(seed=0)
     env.step([40.0])
     assert env.simulation.state.joints["motor_torque"][0] == env.task.torque_limit
@@ -209,7 +209,7 @@ def test_actions_outside_the_box_are_clipped_and_reset_options_checked():
 
 
 def test_stepping_before_reset_or_after_the_end_asks_for_a_reset():
-    env = gymnasium.make(DEPLOY, deadline=0.2).unwrapped
+    env = gymnasium.make(DEPLOY_V1, deadline=0.2).unwrapped
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.step([0.0])
     env.reset(seed=0)

@@ -8,13 +8,13 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "plan_with_saved_states.py"
 
 
 def test_looking_ahead_beats_the_springs_alone():
-    env = gymnasium.make(DEPLOY, model="rigid-ideal", settling_window=2.0)
+    env = gymnasium.make(DEPLOY_V1, model="rigid-ideal", settling_window=2.0)
     env.reset(seed=0)
     planned = runpy.run_path(str(EXAMPLE))["plan"](env)
     env.reset(seed=0)

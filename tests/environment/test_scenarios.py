@@ -11,12 +11,12 @@ import pytest
 from episodes import STRONG, watch
 
 from solar_env import ArrayParameters, Hardware
-from solar_env.environment.registration import CURRENT, DEPLOY, DEPLOY_RANDOMISED, ENVIRONMENTS
+from solar_env.environment.registration import CURRENT, DEPLOY_RANDOMISED_V1, DEPLOY_V1, ENVIRONMENTS
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.task import VERSIONS
 
 
-def make(name=DEPLOY, **keywords):
+def make(name=DEPLOY_V1, **keywords):
     return gymnasium.make(name, model="rigid-ideal", **keywords).unwrapped
 
 
@@ -36,7 +36,7 @@ def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
 
 
 def test_the_randomised_scenario_draws_everything_within_its_ranges():
-    env = make(DEPLOY_RANDOMISED)
+    env = make(DEPLOY_RANDOMISED_V1)
     drawn = {name: [] for name in env.randomize}
     for seed in range(200):
         env.reset(seed=seed)
@@ -52,7 +52,7 @@ def test_the_randomised_scenario_draws_everything_within_its_ranges():
 
 
 def test_the_randomised_scenario_is_the_documented_one():
-    env = make(DEPLOY_RANDOMISED)
+    env = make(DEPLOY_RANDOMISED_V1)
     documented = {
         "clearance": (0.05e-3, 0.5e-3),
         "friction_coefficient": (0.05, 0.3),
@@ -73,11 +73,11 @@ def test_the_randomised_scenario_is_the_documented_one():
 
 
 def test_keywords_change_a_scenario_or_take_the_place_of_its_parts():
-    env = make(DEPLOY_RANDOMISED, randomize={"clearance": (1e-4, (2e-4, 3e-4))}, hardware={"sensor_delay": 0})
+    env = make(DEPLOY_RANDOMISED_V1, randomize={"clearance": (1e-4, (2e-4, 3e-4))}, hardware={"sensor_delay": 0})
     assert env.randomize == {"clearance": ((1e-4, 1e-4), (2e-4, 3e-4))}
     assert env.hardware == replace(SCENARIOS["randomised"].hardware, sensor_delay=0)
-    assert make(DEPLOY_RANDOMISED, hardware=Hardware()).hardware == Hardware()
-    assert make(DEPLOY_RANDOMISED, parameters={"body_mass": 900.0}).parameters == ArrayParameters(
+    assert make(DEPLOY_RANDOMISED_V1, hardware=Hardware()).hardware == Hardware()
+    assert make(DEPLOY_RANDOMISED_V1, parameters={"body_mass": 900.0}).parameters == ArrayParameters(
         contact_law="flores", body_mass=900.0
     )
 
@@ -94,11 +94,11 @@ def test_hinges_differ_where_their_range_does_and_else_in_what_varies_from_hinge
 
 def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit():
     keywords = {"observation": "history", "parameters": STRONG, "settling_window": 1.0}
-    vector = gymnasium.make_vec(DEPLOY_RANDOMISED, num_envs=3, autoreset_mode="NextStep", **keywords)
+    vector = gymnasium.make_vec(DEPLOY_RANDOMISED_V1, num_envs=3, autoreset_mode="NextStep", **keywords)
     actions = np.random.default_rng(0).uniform(-1, 1, (50, 3, 1)).astype(np.float32)
     seen = [vector.reset(seed=7)[0], *(vector.step(action)[0] for action in actions)]
     for lane in range(3):
-        env = gymnasium.make(DEPLOY_RANDOMISED, **keywords).unwrapped
+        env = gymnasium.make(DEPLOY_RANDOMISED_V1, **keywords).unwrapped
         alone, over = [env.reset(seed=7 + lane)[0]], False
         for action in actions[:, lane]:
             if over:

@@ -11,13 +11,13 @@ from deployments import LEVELS
 from episodes import LANES, RANGES, STRONG, assert_same, make_vector, random_actions
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.task.observations import OBSERVABLES
 from solar_env.environment.task.reward import REWARD_TERMS
 
 
 def make_sync(mode=AutoresetMode.NEXT_STEP, lanes=LANES, **keywords):
-    return SyncVectorEnv([partial(gymnasium.make, DEPLOY, **keywords)] * lanes, autoreset_mode=mode)
+    return SyncVectorEnv([partial(gymnasium.make, DEPLOY_V1, **keywords)] * lanes, autoreset_mode=mode)
 
 
 @pytest.mark.parametrize("longest", [None, 23], ids=["whole episodes", "truncated"])
@@ -49,7 +49,7 @@ def test_a_lane_equals_the_single_environment_with_its_seed(level):
     first, _ = native.reset(seed=11)
     steps = [native.step(actions) for actions in random_actions(6)]
     for lane in range(LANES):
-        single = gymnasium.make(DEPLOY, **keywords)
+        single = gymnasium.make(DEPLOY_V1, **keywords)
         assert_same(single.reset(seed=11 + lane)[0], first[lane])
         for actions, (observations, rewards, *_) in zip(random_actions(6), steps, strict=True):
             observation, reward, *_ = single.step(actions[lane])
@@ -77,7 +77,7 @@ def test_lanes_may_have_parameters_of_their_own():
     env = make_vector(2, parameters=designs)
     env.reset(seed=0)
     for lane, design in enumerate(designs):
-        single = gymnasium.make(DEPLOY, parameters=design)
+        single = gymnasium.make(DEPLOY_V1, parameters=design)
         single.reset(seed=0)
         for actions in random_actions(5, 2):
             single.step(actions[lane])
@@ -181,7 +181,7 @@ def test_frames_are_those_of_single_environments():
     env.reset(seed=0)
     env.step(np.ones((2, 1)))
     frames = env.render()
-    single = gymnasium.make(DEPLOY, render_mode="rgb_array", randomize=RANGES)
+    single = gymnasium.make(DEPLOY_V1, render_mode="rgb_array", randomize=RANGES)
     single.reset(seed=1)
     single.step(np.ones(1))
     assert np.array_equal(frames[1], single.render())

@@ -8,7 +8,7 @@ import pytest
 from episodes import assert_same, make_vector
 from gymnasium.vector import AutoresetMode
 
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.mechanics.running.errors import SimulationError
 
 
@@ -57,17 +57,17 @@ def test_a_period_that_needs_too_many_steps_ends_the_lane_and_says_so():
     *_, truncations, infos = env.step(np.zeros((2, 1)))
     assert truncations.all()
     assert "3 steps were taken in one call without reaching its end" in infos["failure"][0]
-    single = gymnasium.make(DEPLOY, max_steps=3)
+    single = gymnasium.make(DEPLOY_V1, max_steps=3)
     single.reset(seed=0)
     with pytest.raises(SimulationError, match="raise max_steps"):
         single.step(np.zeros(1))
     for value in (0, 2.5):
         with pytest.raises(ValueError, match=r"max_steps = .* must be a whole number"):
-            gymnasium.make(DEPLOY, max_steps=value)
+            gymnasium.make(DEPLOY_V1, max_steps=value)
 
 
 def test_several_threads_in_one_environment_are_refused():
-    env, vector = gymnasium.make(DEPLOY), make_vector(2)
+    env, vector = gymnasium.make(DEPLOY_V1), make_vector(2)
     for each, episodes, action in (
         (env, env.unwrapped._episodes, np.zeros(1)),
         (vector, vector.unwrapped.episodes, np.zeros((2, 1))),

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from episodes import LANES, RANGES, STRONG, assert_same, make_vector, random_actions
 
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 
 @pytest.mark.parametrize(
@@ -129,4 +129,4 @@ os.wait()
 there = np.frombuffer(os.read(reader, 4096), np.float32).reshape(4, -1)
 print(np.array_equal(there, env.step(np.zeros((4, 1)))[0]))
 """
-    assert run_python(program, DEPLOY).split() == ["True"]
+    assert run_python(program, DEPLOY_V1).split() == ["True"]

@@ -14,7 +14,7 @@ import pytest
 import solar_env  # noqa: F401 (registers the environments)
 from agents.environments import make_env
 from agents.policies.shipped import load_shipped
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 ROOT = Path(__file__).resolve().parents[2]
 ZOO = ROOT / "agents" / "configs" / "rl-zoo3" / "ppo.yml"
@@ -25,7 +25,7 @@ def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():
     """One update of a policy's gradient on 8 arrays, landings and automatic resets included."""
     import torch
 
-    envs = gymnasium.make_vec(DEPLOY, num_envs=8, model="rigid-ideal")
+    envs = gymnasium.make_vec(DEPLOY_V1, num_envs=8, model="rigid-ideal")
     torch.manual_seed(0)
     actor = torch.nn.Linear(int(np.prod(envs.single_observation_space.shape)), 1)
     optimizer = torch.optim.Adam(actor.parameters(), lr=1e-2)
@@ -50,7 +50,7 @@ def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():
 def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
     pytest.importorskip("rl_zoo3")
     command = [
-        *(sys.executable, "-W", "ignore", "-m", "rl_zoo3.train", "--algo", "ppo", "--env", DEPLOY),
+        *(sys.executable, "-W", "ignore", "-m", "rl_zoo3.train", "--algo", "ppo", "--env", DEPLOY_V1),
         *("--gym-packages", "solar_env", "--conf-file", str(ZOO), "-n", "300", "--eval-freq", "-1"),
         *("--hyperparams", "n_envs:2", "n_steps:150", "batch_size:50", "--env-kwargs", "model:'rigid-ideal'"),
         *("--log-folder", str(tmp_path), "--seed", "1"),
@@ -68,7 +68,7 @@ def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     policy = load_shipped("cma-es-nominal")
     keywords = {**policy.description.env_kwargs, "model": "rigid-ideal"}
-    env = minari.DataCollector(make_env(DEPLOY, keywords))
+    env = minari.DataCollector(make_env(DEPLOY_V1, keywords))
     policy.check(env)
     observation, _ = env.reset(seed=0)
     total, ended = 0.0, False
@@ -85,7 +85,7 @@ def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
 @pytest.mark.filterwarnings("ignore")
 def test_torchrl_collects_a_rollout():
     torchrl = pytest.importorskip("torchrl.envs")
-    env = gymnasium.make(DEPLOY, **SHORT)
+    env = gymnasium.make(DEPLOY_V1, **SHORT)
     rollout = torchrl.GymWrapper(env).rollout(20)
     assert rollout["next", "reward"].shape == (20, 1)
     assert rollout["observation"].shape == (20, *env.observation_space.shape)
@@ -96,8 +96,8 @@ def test_torchrl_collects_a_rollout():
 def test_rllib_trains_an_iteration():
     ray = pytest.importorskip("ray")
     ppo = pytest.importorskip("ray.rllib.algorithms.ppo")
-    ray.tune.register_env(DEPLOY, lambda keywords: gymnasium.make(DEPLOY, **keywords))
-    config = ppo.PPOConfig().environment(DEPLOY, env_config=SHORT).env_runners(num_env_runners=0)
+    ray.tune.register_env(DEPLOY_V1, lambda keywords: gymnasium.make(DEPLOY_V1, **keywords))
+    config = ppo.PPOConfig().environment(DEPLOY_V1, env_config=SHORT).env_runners(num_env_runners=0)
     config = config.training(train_batch_size_per_learner=300, minibatch_size=100, num_epochs=1).debugging(seed=0)
     ray.init(num_cpus=1, include_dashboard=False)
     try:

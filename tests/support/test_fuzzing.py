@@ -16,13 +16,13 @@ from solar_env.array.deployment import simulate
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, cheapest, read_answers
 from solar_env.commands.arguments import parse_arguments
 from solar_env.commands.simulate import Args
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.tables import read_table
 from solar_env.support.campaigns import Campaign
 from solar_env.support.plain_arrays import parse_json
 
-RUN = {"algo": "ppo", "env_id": DEPLOY, "env_kwargs": {}, "seed": 0, "n_envs": 1, "timesteps": 9}
+RUN = {"algo": "ppo", "env_id": DEPLOY_V1, "env_kwargs": {}, "seed": 0, "n_envs": 1, "timesteps": 9}
 RUN |= {"hyperparameters": {}, "timesteps_before": 0, "resumed_from": None, "versions": {}, "command": ""}
 POLICY = shipped.SHIPPED / shipped.available()[0]
 POLICY_FILES, SPLIT = (shipped.DESCRIPTION, shipped.ARRAYS), b"\n---\n"

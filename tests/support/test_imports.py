@@ -79,6 +79,6 @@ def test_an_unknown_public_name_is_an_attribute_error() -> None:
 def test_importing_the_package_registers_its_environments() -> None:
     import gymnasium
 
-    from solar_env.environment.registration import DEPLOY
+    from solar_env.environment.registration import DEPLOY_V1
 
-    assert gymnasium.spec(DEPLOY).entry_point == "solar_env.environment.env:SolarArrayEnv"
+    assert gymnasium.spec(DEPLOY_V1).entry_point == "solar_env.environment.env:SolarArrayEnv"

@@ -31,7 +31,7 @@ _WIDTH = 100  # characters of an explanation's line
 class ParameterFile(NamedTuple):
     """Content of a file: the array, and the parameters that are drawn anew for every run.
 
-    `gymnasium.make("solar_env/Deploy-v1", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
+    `gymnasium.make("solar_env/Deploy-v2", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
     of it.
     """
 

@@ -1,4 +1,4 @@
-"""When an array has latched for good, and when its deadline is missed: for what observes, charges and ends."""
+"""When an array has latched for good, and when its episode is over: for what observes, charges and ends."""
 
 import math
 
@@ -17,7 +17,19 @@ def last_latch(joint_states):
 
 
 @kernel
-def missed_deadline(state, task):
-    """Whether a joint is still open at the deadline."""
+def all_latched(joint_states):
+    """Whether no joint is open."""
+    return not math.isnan(last_latch(joint_states))
+
+
+@kernel
+def end_of_episode(state, task):
+    """Time at which the episode ends if nothing more latches [s]."""
     latched_at = last_latch(state.joints)
-    return latched_at != latched_at and state.clock[0].time >= task.deadline
+    return latched_at + task.settling_window if latched_at == latched_at else task.last_chance
+
+
+@kernel
+def missed_deadline(state, task):
+    """Whether a joint is still open when the time for it is up."""
+    return not all_latched(state.joints) and state.clock[0].time >= task.last_chance

@@ -50,6 +50,7 @@ def words(measured: Mapping[str, Values], lock_angles: Values, deadline: float) 
         "time": (1.0 - left) * deadline,
         "L": _signed_logarithm,
         "ln": np.log,
+        "asinh": np.arcsinh,
         "max": np.maximum,
         "min": np.minimum,
     }
@@ -129,6 +130,8 @@ def _features_of(share: str, when: str) -> list[Feature]:
 
 
 FEATURES: tuple[Feature, ...] = (
+    Feature("distance", "distance to the lock, logarithmic", "-", -5, 5, "asinh(d_j / 0.01) / 2 - 1", True),
+    Feature("speed", "opening rate, logarithmic", "-", -5, 5, "asinh(r_j / 0.002) / 2 - 1", True),
     *(row for share, when in _SHARES.items() for row in _features_of(share, when)),
     Feature("start", "16 at release, linearly to 0 within 0.2 s, then 0", "-", 0, 16, "16 * max(0, 1 - time / 0.2)"),
     Feature(

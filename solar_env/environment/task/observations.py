@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.environment.task.control import last_latch
+from solar_env.environment.task.drive import LOG_RATIO, REACH
 from solar_env.environment.task.features import FEATURES, MEASURED, Feature
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
@@ -19,7 +20,7 @@ from solar_env.support.values import unknown_name
 
 # Codes of `reading`.
 THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)
-IN_CONTACT, MAIN_BODY_SPIN, MAIN_BODY_ANGLE, RECENT_PEAK_FORCE = range(8, 12)
+IN_CONTACT, MAIN_BODY_SPIN, MAIN_BODY_ANGLE, RECENT_PEAK_FORCE, TIME, LOG_SETPOINT = range(8, 14)
 
 LOCK_ANGLE = "lock angle"
 GREATEST_AGE = 100
@@ -66,6 +67,8 @@ OBSERVABLES = (
         *("main_body_angle", "main body's direction from that at release, of a star tracker", "rad", -math.pi, math.pi),
         *(MAIN_BODY_ANGLE, False, "attitude_noise", False, True),
     ),
+    Observable("time", "time since release", "deadline", 0.0, 3.0, TIME),
+    Observable("log_setpoint", 'of "log_rate": u, the logarithm of the setpoint', "4.5", -1.0, 1.0, LOG_SETPOINT),
     Observable("recent_peak_force", "greatest force in the last period", "kN", 0.0, 10.0, RECENT_PEAK_FORCE, True),
 )
 
@@ -77,6 +80,7 @@ Names = Sequence[str | tuple[str, ...]]
 _DRIVE: tuple[str, ...] = ("theta", "rate", "latched", "motor_torque", "time_to_deadline", "time_since_latch")
 _PAST = tuple(f"{name}_{age}_ago" for age in (1, 2, 3) for name in ("theta", "rate", "motor_torque"))
 OBSERVATIONS: dict[str, Names] = {
+    "scaled": ("distance", "speed", "latched", "time", "log_setpoint"),
     "drive": _DRIVE,
     "history": (*_DRIVE, *_PAST),
     "landing": (
@@ -157,8 +161,8 @@ def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
 
 
 @kernel
-def reading(code, j, model, state, task):
-    """The exact value of a quantity, in its unit, at joint `j`; of motors, at motor `j`."""
+def reading(code, j, model, state, task, drives):
+    """The exact value of a quantity, in its unit, at joint `j`; of motors and drives (motors, 3), at motor `j`."""
     joint, joint_state, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
     if code == THETA:
         return view.angle / joint.lock_angle
@@ -180,6 +184,10 @@ def reading(code, j, model, state, task):
         return state.joints[motor.joint].motor_torque / motor.torque_limit
     if code == TIME_TO_DEADLINE:
         return (task.deadline - state.clock[0].time) / task.deadline
+    if code == TIME:
+        return state.clock[0].time / task.deadline
+    if code == LOG_SETPOINT:
+        return drives[j, LOG_RATIO] / REACH
     if code == TIME_SINCE_LATCH:
         latched_at = last_latch(state.joints)
         return (state.clock[0].time - latched_at) / task.settling_window if latched_at == latched_at else 0.0
@@ -189,11 +197,11 @@ def reading(code, j, model, state, task):
 
 
 @kernel
-def observe(model, state, task, channels, out):
+def observe(model, state, task, channels, drives, out):
     """Write the exact values of all channels (measured,), within their bounds, to `out` (measured,) float32."""
     for k in range(channels.size):
         channel = channels[k]
-        out[k] = reading(channel.code, channel.joint, model, state, task)
+        out[k] = reading(channel.code, channel.joint, model, state, task, drives)
         out[k] = min(max(out[k], channel.low), channel.high)
 
 

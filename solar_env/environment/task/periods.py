@@ -9,13 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.environment.task.control import last_latch, missed_deadline
+from solar_env.environment.task.control import all_latched, end_of_episode
+from solar_env.environment.task.drive import MEMORY, TaskNumbers, asked_torque, set_torque
 from solar_env.environment.task.observations import observe
 from solar_env.environment.task.reward import charge
-from solar_env.environment.task.task import SLOWEST, STEEPNESS, TaskNumbers
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import lane_view, take_ticket
-from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.numerics.by_address import call_at
 from solar_env.mechanics.numerics.handles import arrays_of
@@ -27,10 +26,10 @@ class Periods(NamedTuple):
 
     actions: NDArray[np.float64]  # (lanes, motors) torques in units of the limit, or setpoints of the rate; clipped
     rate_errors: NDArray[np.float64]  # (lanes, samples, motors) of the rates that the drives' loops measure [rad/s]
-    loop_torques: NDArray[np.float64]  # (lanes, motors) that the loops ask of the motors [N m]
+    drives: NDArray[np.float64]  # (lanes, motors, MEMORY) what they remember
     end_times: NDArray[np.float64]  # (lanes,) [s]
     sample_ends: NDArray[np.float64]  # (lanes,) until when the drives hold the torques [s]
-    samples_left: NDArray[np.int64]  # (lanes,) number of samples of the drives that are not over
+    samples: NDArray[np.int64]  # (lanes,) number of samples of the drives that are over
     counters: NDArray[np.int64]  # (lanes, 1) of `advance_lanes` in one lane
     accounts: NDArray[np.float64]  # (lanes, terms, 2) of `reward.charge`
     terms: NDArray[np.float64]  # (lanes, terms) of the reward
@@ -39,13 +38,18 @@ class Periods(NamedTuple):
     terminated: NDArray[np.bool_]  # (lanes,) whether the episode is over
 
 
+def settling_samples(task: TaskNumbers) -> int:
+    """Samples that the drives take in a settling window, the first and last ones cut short."""
+    return math.ceil(task.settling_window / task.sample_period) + 1
+
+
 def make_periods(lanes: int, task: TaskNumbers, terms: int, exact: NDArray[np.float32]) -> Periods:
     """Allocate the arrays of some lanes, whose observations `exact` (lanes, measured) are."""
     motors = task.motors.size
     return Periods(
         np.zeros((lanes, motors)),
-        np.zeros((lanes, task.samples, motors)),
-        np.zeros((lanes, motors)),
+        np.zeros((lanes, task.samples + (settling_samples(task) if task.drive_settles else 0), motors)),
+        np.zeros((lanes, motors, MEMORY)),
         np.zeros(lanes),
         np.zeros(lanes),
         np.zeros(lanes, np.int64),
@@ -68,47 +72,17 @@ def begin_period(state, task, periods, lane):
     for j in range(state.joints.size):
         state.joints[j].recent_peak_force = 0.0
     end = (round(state.clock[0].time / task.control_period) + 1) * task.control_period
-    latched_at = last_latch(state.joints)
-    last = latched_at + task.settling_window if latched_at == latched_at else task.deadline
-    periods.end_times[lane], periods.samples_left[lane] = min(end, last), task.samples
-
-
-@kernel
-def loop_torque(model, state, motor, action, rate_error, before):
-    """Torque that the drive's rate loop asks of the motor [N m]: within the limit, and filtered.
-
-    The action is the rate's setpoint, in [-1, 1]; `before` is what the loop asked at its last sample [N m].
-    """
-    rate = view_joint_of(model)(model, state, motor.joint).rate + rate_error
-    torque = motor.rate_gain * (SLOWEST * math.sinh(STEEPNESS * action) - rate)
-    return before + motor.rate_response * (min(max(torque, -motor.torque_limit), motor.torque_limit) - before)
-
-
-@kernel
-def set_torque(state, motor, torque):
-    """Set the torque that a motor reaches of the one asked for until the next sample, by its lag and rate limit."""
-    driven = state.joints[motor.joint]
-    if motor.response < 1.0:
-        torque = driven.motor_torque + motor.response * (torque - driven.motor_torque)
-    change = motor.largest_change
-    torque = min(max(torque, driven.motor_torque - change), driven.motor_torque + change)
-    if driven.motor_torque != torque:
-        driven.motor_torque = torque
-        state.clock[0].acceleration_current = 0
+    periods.end_times[lane], periods.samples[lane] = min(end, end_of_episode(state, task)), 0
 
 
 @kernel
 def begin_sample(model, state, task, periods, lane):
     """Set the motor torques, and until when the drives hold them."""
-    sample = task.samples - periods.samples_left[lane]
+    settling, sample = task.drive_settles and all_latched(state.joints), periods.samples[lane]
     for k in range(task.motors.size):
         motor, action = task.motors[k], min(max(periods.actions[lane, k], -1.0), 1.0)
-        torque = motor.torque_limit * action
-        if motor.rate_gain > 0.0:
-            error, before = periods.rate_errors[lane, sample, k], periods.loop_torques[lane, k]
-            torque = loop_torque(model, state, motor, action, error, before)
-            periods.loop_torques[lane, k] = torque
-        set_torque(state, motor, torque)
+        memory, error = periods.drives[lane, k], periods.rate_errors[lane, sample, k]
+        set_torque(state, motor, asked_torque(model, state, task, motor, memory, action, error, settling))
     end, last = (round(state.clock[0].time / task.sample_period) + 1) * task.sample_period, periods.end_times[lane]
     periods.sample_ends[lane] = end if end < last - 1e-6 * task.sample_period else last
 
@@ -117,12 +91,11 @@ def begin_sample(model, state, task, periods, lane):
 def end_period(model, state, task, channels, prices, periods, lane):
     """Charge and observe a period, and tell whether the episode is over.
 
-    It is one window after the last latching, or at a missed deadline.
+    It is one window after the last latching, or when the time for it is up.
     """
     periods.rewards[lane] = charge(model, state, task, prices, periods.accounts[lane], periods.terms[lane])
-    observe(model, state, task, channels, periods.exact[lane])
-    over = state.clock[0].time >= last_latch(state.joints) + task.settling_window
-    periods.terminated[lane] = missed_deadline(state, task) or over
+    observe(model, state, task, channels, periods.drives[lane], periods.exact[lane])
+    periods.terminated[lane] = state.clock[0].time >= end_of_episode(state, task)
 
 
 @kernel(inlined=False)
@@ -149,7 +122,7 @@ def hold_lanes(
         # With too few steps left, the last call ended within a sample.
         if statuses[lane] != m.TOO_MANY_STEPS:
             begin_period(state, task, periods, lane)
-        while periods.samples_left[lane] > 0:
+        while state.clock[0].time < periods.end_times[lane]:
             if statuses[lane] != m.TOO_MANY_STEPS:
                 begin_sample(model, state, task, periods, lane)
             periods.counters[lane, 0] = 0
@@ -159,14 +132,16 @@ def hold_lanes(
             )  # fmt: skip
             if statuses[lane] != m.DONE:
                 break
-            periods.samples_left[lane] -= 1
+            periods.samples[lane] += 1
+            if task.drive_settles and all_latched(state.joints):
+                periods.end_times[lane] = end_of_episode(state, task)
         if statuses[lane] == m.DONE:
             end_period(model, state, task, channels, prices, periods, lane)
 
 
 @kernel(inlined=False)
-def observe_lanes(models, states, task, channels, lanes, observations):
+def observe_lanes(models, states, task, channels, drives, lanes, observations):
     """Write the observation of the present state, `observations` (lanes, measured) float32."""
     for lane in lanes:
         model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
-        observe(model, state, task, channels, observations[lane])
+        observe(model, state, task, channels, drives[lane], observations[lane])

@@ -4,13 +4,13 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from solar_env.array.parameters.checks import Rule, check_rows, number
-from solar_env.environment.task.control import missed_deadline
-from solar_env.environment.task.task import BOUNDED, PRESENT, Version
+from solar_env.environment.task.control import last_latch, missed_deadline
+from solar_env.environment.task.task import PRESENT, VERSIONS, Version
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
@@ -19,7 +19,10 @@ from solar_env.support.values import changed, unknown_name
 
 # Codes of `reading`.
 PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_SLIDING_WORK = range(5)
-MOTOR_WORK, PRELATCH_PEAK = range(5, 7)
+MOTOR_WORK, PRELATCH_PEAK, TIME, LATENESS, OPENING = range(5, 10)
+# Forms of a price, by name, and the codes of `cost`.
+FORMS = {"linear": 0, "decades": 1}
+LINEAR, DECADES = FORMS.values()
 # How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
 # the greatest magnitude, or the sum of the magnitudes of their changes.
 LATEST, GREATEST, CHANGES = range(3)
@@ -33,20 +36,35 @@ _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "of a term of the reward must be f
 
 @dataclass(frozen=True)
 class Price:
-    """The price of a figure, which costs `weight * min(figure / scale, bound)`.
+    """The price of a figure, which costs `weight * x`, or in decades `weight * log10(1 + x)`, x being
+    `min(figure / scale, bound)`.
 
     Attributes:
         scale: amount of the figure that costs 1 at a weight of 1, in the unit of the figure.
         weight: 0 leaves the term out.
-        bound: most that it costs in one episode at a weight of 1.
+        bound: greatest x.
+        form: "linear" or "decades".
     """
 
     scale: float = number(MISSING, _POSITIVE)
     weight: float = number(1.0, _NOT_NEGATIVE)
     bound: float = number(12.0, _POSITIVE)
+    form: str = "linear"
 
     def __post_init__(self) -> None:
+        if self.form not in FORMS:
+            raise ValueError(unknown_name("the form", self.form, FORMS))
         check_rows(self)
+
+    @property
+    def row(self) -> tuple[int, float, float, float]:
+        """Form, scale, weight and bound, as `price_type` has them."""
+        return FORMS[self.form], self.scale, self.weight, self.bound
+
+    @property
+    def greatest(self) -> float:
+        """The greatest cost."""
+        return self.weight * (self.bound if self.form == "linear" else math.log10(1.0 + self.bound))
 
 
 class RewardTerm(NamedTuple):
@@ -56,6 +74,7 @@ class RewardTerm(NamedTuple):
         code: of `reading`.
         growth: LATEST, GREATEST or CHANGES.
         scale: see `Price`; the weight is 0 where neither the version nor the keyword `reward` has one.
+        sign: 1, or -1 where the figure earns what others cost.
     """
 
     name: str
@@ -65,6 +84,7 @@ class RewardTerm(NamedTuple):
     code: int
     growth: int
     scale: float
+    sign: int = 1
 
 
 _PRELATCH, _POSTLOCK = "up to the first latching", "from the first latching"
@@ -81,9 +101,17 @@ REWARD_TERMS = (
     RewardTerm("postlock_wear", _WORK, _POSTLOCK, "J", POSTLOCK_SLIDING_WORK, LATEST, 0.05),
     RewardTerm("motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, 0.5),
     RewardTerm("prelatch_peak", "peak force, over all joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, 500.0),
+    RewardTerm("time", "time", "up to the last latching", "s", TIME, LATEST, 20.0),
+    RewardTerm("lateness", "time", "later than a period before the deadline, up to then", "s", LATENESS, LATEST, 1.0),
+    # What every deployment earns alike, on the way: who is paid at the end alone learns nothing on the way there.
+    RewardTerm("opening", "mean opening, in lock angles, which is earned", _WHOLE, "-", OPENING, GREATEST, 1.0, -1),
 )
 
-_PRICE = [("code", "i8"), ("growth", "i8"), ("form", "i8"), ("scale", "f8"), ("weight", "f8"), ("bound", "f8")]
+# Of these no deployment costs more, or earns less, than a missed deadline does.
+_MISSED_TOO = ("missed_deadline", "time", "lateness", "opening")
+
+_CODES, _NUMBERS = ("code", "growth", "sign", "form"), ("scale", "weight", "bound")
+_PRICE = [*((name, "i8") for name in _CODES), *((name, "f8") for name in _NUMBERS)]
 price_type = np.dtype((np.record, np.dtype(_PRICE, align=True)))
 
 
@@ -119,16 +147,29 @@ class Reward:
                 raise ValueError(f"reward[{name!r}]: {error}") from error
         charged = [term for term in REWARD_TERMS if self.prices[term.name].weight > 0.0]
         self.names = tuple(term.name for term in charged)
-        rows = [(term.code, term.growth, version.form, *vars(self.prices[term.name]).values()) for term in charged]
+        rows = [(term.code, term.growth, term.sign, *self.prices[term.name].row) for term in charged]
         self.rows = np.array(rows, dtype=price_type)
         missed = self.prices["missed_deadline"]
         cost = missed.weight * min(1.0 / missed.scale, missed.bound)
-        others = sum(price.weight * price.bound for name, price in self.prices.items() if name != "missed_deadline")
+        others = sum(price.greatest for name, price in self.prices.items() if name not in _MISSED_TOO)
         if cost <= others:
             raise ValueError(
                 f"missed_deadline costs {cost!r}, which must exceed the {others!r} that all other terms can cost "
                 "together, or not deploying would pay: raise its weight, or lower weights or bounds of the others"
             )
+
+
+def v1_return(figures: Mapping[str, Any]) -> float:
+    """The return of a deployment at the prices of v1, the yardstick of all pages, by its figures of `info`.
+
+    One that is late costs what v1 charges at its deadline, but for the distance that was left.
+    """
+    version = VERSIONS["v1"]
+    late = not figures["latched"] or max(figures["latch_times_s"]) > version.task.deadline
+    force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
+    read = {"peak_impact": force, "wear": work, "missed_deadline": float(late)}
+    prices = Reward(version=version).prices
+    return -sum(p.weight * min(read[name] / p.scale, p.bound) for name, p in prices.items() if p.weight > 0.0)
 
 
 @kernel
@@ -153,6 +194,12 @@ def reading(code, model, state, task):
         for k in range(task.motors.size):
             total += state.integrals[m.INTEGRALS_PER_JOINT * task.motors[k].joint + m.MOTOR_WORK]
         return total
+    if code in (TIME, LATENESS):
+        latched_at = last_latch(state.joints)
+        time = latched_at if latched_at == latched_at else state.clock[0].time
+        return time if code == TIME else max(time - (task.deadline - task.control_period), 0.0)
+    if code == OPENING:
+        return 1.0 - distance_to_lock(model, state)
     for j in range(state.joints.size):
         joint, work = state.joints[j], state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
         if code == PEAK_IMPACT and latched:
@@ -169,9 +216,8 @@ def reading(code, model, state, task):
 @kernel
 def cost(price, figure):
     """The cost of a figure at a weight of 1, in the price's form."""
-    if price.form == BOUNDED:
-        return min(figure / price.scale, price.bound)
-    return math.nan
+    x = min(figure / price.scale, price.bound)
+    return x if price.form == LINEAR else math.log10(1.0 + x)
 
 
 @kernel
@@ -190,7 +236,7 @@ def charge(model, state, task, prices, account, terms):
         elif price.growth == CHANGES:
             figure = before + abs(now - account[k, READING])
         # In this order, equal costs leave nothing however a compiler contracts products and sums.
-        terms[k] = price.weight * (cost(price, before) - cost(price, figure))
+        terms[k] = price.sign * price.weight * (cost(price, before) - cost(price, figure))
         total += terms[k]
         account[k, FIGURE], account[k, READING] = figure, now
     return total
@@ -200,7 +246,7 @@ def reward_table() -> str:
     """The table of terms, in Markdown."""
     prices, rows = Reward().prices, []
     for term in REWARD_TERMS:
-        scale, weight, bound = vars(prices[term.name]).values()
-        figures = (f"{scale:g} {term.unit}", f"{weight:g}", f"{bound:g}")
+        price = prices[term.name]
+        figures = (f"{price.scale:g} {term.unit}", f"{price.weight:g}", f"{price.bound:g}", price.form)
         rows.append((f"`{term.name}`", term.figure, term.phase, *figures))
-    return markdown_table(("Term", "Figure", "Charged", "Scale", "Weight", "Bound"), rows)
+    return markdown_table(("Term", "Figure", "Charged", "Scale", "Weight", "Bound", "Form"), rows)

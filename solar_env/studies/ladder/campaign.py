@@ -21,7 +21,7 @@ from scipy import stats
 
 from solar_env.array import RELEASE_RATE, ArrayParameters, build, compilation_note
 from solar_env.array.ladder import QUESTIONS, Answer
-from solar_env.environment.task.task import PRESENT
+from solar_env.environment.task.task import VERSIONS
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.simulation import Simulation
@@ -33,6 +33,7 @@ from solar_env.support.progress import counting_bar
 Array = NDArray[np.float64]
 
 FILE = "ladder.csv"
+TASK = VERSIONS["v1"].task
 RANKING = "controller-ranking"
 _COVERAGE = 0.95  # of bands
 SAMPLE_STEP = 0.02  # s, between two places of the tip
@@ -112,10 +113,10 @@ def _drive(simulation: Simulation, torque: float, start: float, window: float) -
     """Simulate up to a time [s] after the last latching, or to the deadline if a joint is still open."""
     if start > 0.0:
         simulation.advance(start)
-    simulation.set_motor_torque(PRESENT.task.driven_joint, torque)
+    simulation.set_motor_torque(TASK.driven_joint, torque)
     joints = simulation.state.joints
-    while not joints["latched"].all() and simulation.time < PRESENT.task.deadline:
-        simulation.advance(simulation.time + PRESENT.task.control_period)
+    while not joints["latched"].all() and simulation.time < TASK.deadline:
+        simulation.advance(simulation.time + TASK.control_period)
     if joints["latched"].all():
         simulation.advance(joints["latch_time"].max() + window)
 

@@ -8,9 +8,9 @@ import pytest
 from agents.commands.studies import attack
 from agents.commands.studies.attack import KNOTS, NUMBERS, actions, passive_profile
 from solar_env.__main__ import execute
-from solar_env.environment.task.task import PRESENT
+from solar_env.environment.task.task import VERSIONS
 
-TASK = PRESENT.task
+TASK = VERSIONS["v1"].task
 
 
 def acted(profile, times, latched=False):

@@ -12,7 +12,7 @@ from PIL import Image
 
 from agents.commands import replay
 from solar_env.__main__ import main
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.pictures import films
 
@@ -28,7 +28,7 @@ def passive_episode(env):
 
 
 def test_a_recorded_episode_stays_the_same_to_the_bit_and_agrees_with_its_figures():
-    plain = gymnasium.make(DEPLOY, model="rigid-clearance", deadline=13.0, settling_window=1.0)
+    plain = gymnasium.make(DEPLOY_V1, model="rigid-clearance", deadline=13.0, settling_window=1.0)
     recorded = RecordTrajectory(plain, output_step=0.002)
     expected = passive_episode(plain)
     assert passive_episode(recorded) == expected
@@ -43,7 +43,7 @@ def test_a_recorded_episode_stays_the_same_to_the_bit_and_agrees_with_its_figure
 
 
 def test_nothing_recorded_and_a_bad_step_are_refused():
-    env = gymnasium.make(DEPLOY, model="rigid-ideal")
+    env = gymnasium.make(DEPLOY_V1, model="rigid-ideal")
     with pytest.raises(gymnasium.error.ResetNeeded, match="nothing recorded"):
         RecordTrajectory(env).trajectory  # noqa: B018
     with pytest.raises(ValueError, match="output_step"):

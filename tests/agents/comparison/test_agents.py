@@ -16,7 +16,7 @@ from agents.rollout import episode_figures
 from solar_env import SimulationError
 from solar_env.__main__ import main as solar_env
 from solar_env.commands.arguments import Assignments, parse_arguments, parse_assignments
-from solar_env.environment.registration import DEPLOY_RANDOMISED
+from solar_env.environment.registration import DEPLOY_RANDOMISED_V1
 
 
 def test_episode_figures_of_the_array_follow_from_those_of_the_joints():
@@ -56,7 +56,7 @@ def test_nominal_episodes_differ_by_release_rates_and_randomised_ones_as_their_s
     assert with_sampling({}) == {"randomize": {"initial_rate": ((-5e-4, -5e-4), (5e-4, 5e-4))}}
     around = with_sampling({"parameters": {"panel_count": 3, "initial_rate": (0.01, 0.0)}})["randomize"]["initial_rate"]
     assert around == ((0.0095, -5e-4, -5e-4), (0.0105, 5e-4, 5e-4))
-    assert with_sampling({}, DEPLOY_RANDOMISED) == {}
+    assert with_sampling({}, DEPLOY_RANDOMISED_V1) == {}
     for given in ({"randomize": {}}, {"randomize": {"clearance": (1e-4, 2e-4)}}):
         assert with_sampling(given) == given
 

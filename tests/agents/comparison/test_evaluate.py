@@ -21,7 +21,7 @@ from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
 from solar_env.__main__ import execute, main
-from solar_env.environment.registration import DEPLOY_RANDOMISED
+from solar_env.environment.registration import DEPLOY_RANDOMISED_V1
 from solar_env.support.values import plain
 
 ALONE = ["--quiet", "--jobs", "1"]
@@ -137,7 +137,7 @@ def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenar
     drawn = {"model": "rigid-ideal", "randomize": {"hinge_x": [0.499, 0.501]}}
     write_policy(tmp_path, env_kwargs=drawn)
     assert common_environment([str(tmp_path)]) == (DEFAULT_ENV_ID, drawn)
-    assert common_environment([str(tmp_path)], DEPLOY_RANDOMISED)[1] == {"model": "rigid-ideal"}
+    assert common_environment([str(tmp_path)], DEPLOY_RANDOMISED_V1)[1] == {"model": "rigid-ideal"}
 
 
 @pytest.mark.parametrize(
@@ -157,10 +157,10 @@ def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(cont
 
 
 def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):
-    for name, env_id in (("a", DEPLOY_RANDOMISED), ("b", DEFAULT_ENV_ID)):
+    for name, env_id in (("a", DEPLOY_RANDOMISED_V1), ("b", DEFAULT_ENV_ID)):
         write_policy(tmp_path / name, env_id=env_id)
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
-    assert common_environment(["passive", f"agent={first}"])[0] == DEPLOY_RANDOMISED
+    assert common_environment(["passive", f"agent={first}"])[0] == DEPLOY_RANDOMISED_V1
     assert common_environment(["passive"]) == (DEFAULT_ENV_ID, {})
     with pytest.raises(ValueError, match=r"trained on different environments, .*; say with --env-id which"):
         common_environment([first, second])
@@ -197,7 +197,7 @@ def test_a_run_without_policy_says_so(tmp_path):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
 
 
-@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", DEPLOY_RANDOMISED)])
+@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", DEPLOY_RANDOMISED_V1)])
 def test_a_suite_is_a_scenario_on_modal_panels_with_all_that_was_tuned_there_or_trained_for_it(name, env_id):
     controllers = suite_controllers(SUITES[name])
     assert SUITES[name] == env_id
@@ -217,7 +217,7 @@ def test_suites_that_there_are_not_and_their_scenarios_are_told():
     with pytest.raises(ValueError, match="no suite 'fast'; available: paper, robust"):
         execute("evaluate", ["--suite", "fast"])
     with pytest.raises(ValueError, match=f"--suite paper is about {DEFAULT_ENV_ID}"):
-        execute("evaluate", ["--suite", "paper", "--env-id", DEPLOY_RANDOMISED])
+        execute("evaluate", ["--suite", "paper", "--env-id", DEPLOY_RANDOMISED_V1])
 
 
 def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
@@ -225,5 +225,5 @@ def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
     model = ["--model", "flexible-clearance:1 element"]
     execute("evaluate", ["--suite", "robust", "--controllers", "passive", *model, "--episodes", "1", *ALONE])
     settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
-    assert settings["env_id"] == DEPLOY_RANDOMISED
+    assert settings["env_id"] == DEPLOY_RANDOMISED_V1
     assert settings["env_kwargs"] == {"model": "flexible-clearance:1 element"}

@@ -11,7 +11,7 @@ from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.rollout import run_episode
 from agents.torque_laws import DeterministicController, Signals
-from solar_env.environment.registration import DEPLOY_RANDOMISED
+from solar_env.environment.registration import DEPLOY_RANDOMISED_V1
 
 # Strong springs deploy the array within three seconds.
 SHORT = {
@@ -82,8 +82,8 @@ def everything(env):
     [
         (DEFAULT_ENV_ID, "torque", "history"),
         (DEFAULT_ENV_ID, "rate", "landing"),
-        (DEPLOY_RANDOMISED, "torque", ["theta_1_ago"]),
-        (DEPLOY_RANDOMISED, "rate", "landing"),
+        (DEPLOY_RANDOMISED_V1, "torque", ["theta_1_ago"]),
+        (DEPLOY_RANDOMISED_V1, "rate", "landing"),
     ],
 )
 def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_contact(env_id, action, observation):
@@ -104,7 +104,7 @@ def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_conta
     assert futures.batch.simulations[0].state.v.tobytes() != futures.batch.simulations[1].state.v.tobytes()
 
 
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED])
+@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED_V1])
 def test_planning_leaves_the_environment_as_it_was_to_the_last_bit(env_id):
     env = make(env_id)
     observation = brought_into_contact(env)
@@ -113,7 +113,7 @@ def test_planning_leaves_the_environment_as_it_was_to_the_last_bit(env_id):
     assert everything(env) == before
 
 
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED])
+@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED_V1])
 def test_what_was_predicted_comes_to_pass_and_predictions_only_improve(env_id):
     env = make(env_id)
     realised, actions, predicted = played(env, search(env))
@@ -124,7 +124,7 @@ def test_what_was_predicted_comes_to_pass_and_predictions_only_improve(env_id):
 
 
 def test_what_was_predicted_comes_to_pass_though_the_loop_of_the_drive_measures_rates_with_noise():
-    env = make(DEPLOY_RANDOMISED, action="rate", deadline=8.0)
+    env = make(DEPLOY_RANDOMISED_V1, action="rate", deadline=8.0)
     settings = SearchSettings(knots=4, candidates=3, elites=2, iterations=1, initial_deviation=0.005)
     realised, _, predicted = played(env, RecedingHorizon(env, SteadyRate(), settings))
     assert realised == pytest.approx(predicted[-1], rel=1e-12)
@@ -132,7 +132,7 @@ def test_what_was_predicted_comes_to_pass_though_the_loop_of_the_drive_measures_
 
 
 def test_it_repeats_itself_to_the_last_bit_and_depends_on_its_seed():
-    env = make(DEPLOY_RANDOMISED, model="rigid-ideal")
+    env = make(DEPLOY_RANDOMISED_V1, model="rigid-ideal")
     controller = search(env)
     first, again = played(env, controller), played(env, controller)
     fresh, other = played(env, search(env)), played(env, search(env, seed=1))

@@ -19,7 +19,7 @@ from agents.laws.table import LAWS, TUNABLE
 from agents.policies import shipped
 from agents.policies.shipped import UNITS, Layer, ShippedPolicy
 from agents.torque_laws import Signals
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 
 @pytest.fixture
@@ -59,7 +59,7 @@ def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, n
     law = controller.load(env)
     assert type(law) is LAWS[name]
     if name in TUNABLE:
-        assert law.parameters == load_parameters(name, DEPLOY, "rigid-clearance")
+        assert law.parameters == load_parameters(name, DEPLOY_V1, "rigid-clearance")
     elif name == "servo-untuned":
         assert law.parameters == ServoParameters()
 

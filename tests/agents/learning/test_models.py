@@ -7,14 +7,14 @@ from training import last_model
 
 from agents.comparison.evaluation import SUITES
 from agents.learning import learn, runs
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_period(algo):
-    config = runs.complete(algo, DEPLOY, {"model": "rigid-clearance"}, seed=0)
+    config = runs.complete(algo, DEPLOY_V1, {"model": "rigid-clearance"}, seed=0)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
     observed = dict(zip(venv.get_attr("observation_names", 0)[0], np.eye(16, dtype=np.float32), strict=True))
@@ -39,7 +39,7 @@ def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_per
 )
 def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none(algo, keywords, hyperparameters, fit):
     keywords = {"model": "rigid-clearance", **keywords}
-    config = runs.complete(algo, DEPLOY, keywords, 0, 8, hyperparameters=hyperparameters)
+    config = runs.complete(algo, DEPLOY_V1, keywords, 0, 8, hyperparameters=hyperparameters)
     assert ("first_weights" in config.hyperparameters) == fit
     venv = learn.make_training_env(config, threads=1)
     actions = learn.make_model(config, venv).predict(venv.reset(), deterministic=True)[0]
@@ -52,7 +52,7 @@ def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none
 def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():
     rollouts = {"n_steps": 50, "batch_size": 50, "learning_rate": 1e-3}
     quick = {"model": "rigid-ideal"}
-    config = runs.complete("ppo", DEPLOY, quick, 0, 2, 400, rollouts)
+    config = runs.complete("ppo", DEPLOY_V1, quick, 0, 2, 400, rollouts)
     model = learn.make_model(config, learn.make_training_env(config, threads=1))
     used = []
     update = model.train
@@ -62,7 +62,7 @@ def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_withou
 
 
 def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
-    config = runs.complete("ars", DEPLOY, {"model": "rigid-ideal"}, 0, n_envs=1)
+    config = runs.complete("ars", DEPLOY_V1, {"model": "rigid-ideal"}, 0, n_envs=1)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
     for left in (1.0, 0.5, 0.0):
@@ -73,7 +73,7 @@ def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
 def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_rate": 1e-3, "n_steps": 7}
     small |= {"train_freq": 20, "gradient_steps": 2}
-    config = runs.complete("sac", DEPLOY, {}, 0, 1, 40, small)
+    config = runs.complete("sac", DEPLOY_V1, {}, 0, 1, 40, small)
     learn.train(learn.Training(config, tmp_path, progress=False))
     resumed = last_model(tmp_path)
     assert (resumed.replay_buffer.n_steps, resumed.replay_buffer.gamma) == (7, config.hyperparameters["gamma"])
@@ -84,7 +84,7 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_starts": 0, "learning_rate": 1e-2}
     small |= {"train_freq": 100, "gradient_steps": 1, "actor_learning_rate": 1e-4}
     small |= {"policy_delay": 1}
-    made = DEPLOY, {"model": "rigid-ideal"}, 0, 1
+    made = DEPLOY_V1, {"model": "rigid-ideal"}, 0, 1
     config = runs.complete("td3", *made, 200, small)
     learn.train(learn.Training(config, tmp_path, progress=False))
     resumed = last_model(tmp_path)

@@ -11,15 +11,18 @@ from deployments import BEAMS
 from episodes import LATE_ROOT, make
 
 import solar_env
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.mechanics.arrays.columns import MOTOR_TORQUE, NORMAL
 
 
 def test_frames_are_played_at_the_pace_of_the_control_periods_in_whole_numbers():
     periods = (0.02, 0.1, 0.3, 2.0)
-    rates = {period: solar_env.SolarArrayEnv(control_period=period).metadata["render_fps"] for period in periods}
+    rates = {
+        period: solar_env.SolarArrayEnv(version="v1", control_period=period).metadata["render_fps"]
+        for period in periods
+    }
     assert rates == {0.02: 50, 0.1: 10, 0.3: 3, 2.0: 1}
-    assert gymnasium.make_vec(DEPLOY, num_envs=1, control_period=0.02).metadata["render_fps"] == 50
+    assert gymnasium.make_vec(DEPLOY_V1, num_envs=1, control_period=0.02).metadata["render_fps"] == 50
 
 
 @pytest.mark.parametrize("model", BEAMS)

@@ -10,7 +10,7 @@ import pytest
 from episodes import assert_same
 from gymnasium.utils.env_checker import check_env
 
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 
 pygame = pytest.importorskip("pygame")
 QUICK = {"model": "rigid-ideal", "control_period": 0.02}
@@ -21,7 +21,7 @@ def picture():
 
 
 def test_resets_and_steps_show_the_frames_that_rgb_array_draws_and_the_episode_is_the_same():
-    shown, drawn = (gymnasium.make(DEPLOY, render_mode=mode, **QUICK) for mode in ("human", "rgb_array"))
+    shown, drawn = (gymnasium.make(DEPLOY_V1, render_mode=mode, **QUICK) for mode in ("human", "rgb_array"))
     assert not isinstance(shown, gymnasium.wrappers.HumanRendering)
     assert_same(shown.reset(seed=0), drawn.reset(seed=0))
     folded = picture()
@@ -35,7 +35,7 @@ def test_resets_and_steps_show_the_frames_that_rgb_array_draws_and_the_episode_i
 
 
 def test_frames_are_shown_at_the_pace_of_the_control_periods():
-    env = gymnasium.make(DEPLOY, render_mode="human", model="rigid-ideal", control_period=0.1)
+    env = gymnasium.make(DEPLOY_V1, render_mode="human", model="rigid-ideal", control_period=0.1)
     env.reset(seed=0)
     env.step([0.0])
     begun = time.monotonic()
@@ -45,7 +45,7 @@ def test_frames_are_shown_at_the_pace_of_the_control_periods():
 
 
 def test_the_window_closes_and_opens_with_the_next_episode():
-    env = gymnasium.make(DEPLOY, render_mode="human", **QUICK)
+    env = gymnasium.make(DEPLOY_V1, render_mode="human", **QUICK)
     env.close()
     env.reset(seed=0)
     env.close()
@@ -56,7 +56,7 @@ def test_the_window_closes_and_opens_with_the_next_episode():
 
 
 def test_a_copy_goes_on_in_the_window_and_gymnasium_finds_no_fault():
-    env = gymnasium.make(DEPLOY, render_mode="human", **QUICK).unwrapped
+    env = gymnasium.make(DEPLOY_V1, render_mode="human", **QUICK).unwrapped
     env.reset(seed=0)
     env.step([1.0])
     twin = pickle.loads(pickle.dumps(env))
@@ -68,11 +68,11 @@ def test_a_copy_goes_on_in_the_window_and_gymnasium_finds_no_fault():
 def test_without_pygame_the_mode_is_refused_with_what_to_install(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'solar-env\[play\]'"):
-        gymnasium.make(DEPLOY, render_mode="human")
+        gymnasium.make(DEPLOY_V1, render_mode="human")
 
 
 def test_without_a_display_the_mode_is_refused_before_the_first_episode(monkeypatch):
     monkeypatch.delenv("SDL_VIDEODRIVER")
     monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
     with pytest.raises(OSError, match=r"no display .*'offscreen'.*solar-env replay"):
-        gymnasium.make(DEPLOY, render_mode="human", **QUICK)
+        gymnasium.make(DEPLOY_V1, render_mode="human", **QUICK)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solar_env import Hardware
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.task.features import FEATURES
 from solar_env.environment.task.observations import observation_entries
 from solar_env.environment.task.sensors import Sensors
@@ -75,7 +75,7 @@ def test_the_start_fades_out_within_two_periods_of_the_release(time, start):
 def test_a_feature_is_made_of_what_noisy_late_sensors_show(row):
     """It is the feature of the measured entries that are observed beside it."""
     keywords = {"scenario": "randomised", "model": "rigid-ideal", "control_period": 1e-3}
-    env = gymnasium.make(DEPLOY, observation=[*MEASURED, row.name], **keywords).unwrapped
+    env = gymnasium.make(DEPLOY_V1, observation=[*MEASURED, row.name], **keywords).unwrapped
     env.reset(seed=1)
     for _ in range(3):
         observed = env.step([0.3])[0]

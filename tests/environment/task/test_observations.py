@@ -10,7 +10,7 @@ import pytest
 
 import solar_env
 from solar_env import Hardware
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.task.features import FEATURES
 from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
 from solar_env.environment.task.sensors import Sensors
@@ -48,7 +48,7 @@ def unit(row):
 @feature_too
 def test_a_row_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(row):
     keywords = {**WILD, "observation": [row.name, f"{row.name}_2_ago"]}
-    single, vector = gymnasium.make(DEPLOY, **keywords).unwrapped, gymnasium.make_vec(DEPLOY, 2, **keywords)
+    single, vector = gymnasium.make(DEPLOY_V1, **keywords).unwrapped, gymnasium.make_vec(DEPLOY_V1, 2, **keywords)
     entries = len(names(2, [row.name]))
     assert single.observation_names == tuple(names(2, keywords["observation"]))
     assert single.observation_space.low.tolist() == [np.float32(row.low)] * 2 * entries
@@ -65,7 +65,8 @@ def test_a_row_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(row):
 @feature_too
 def test_the_documentation_lists_the_row_with_its_bounds_and_unit(row):
     starts = f"| `{row.name}` |", f"| `{row.name}_i` |"
-    (line,) = [line for line in solar_env.SolarArrayEnv.__doc__.splitlines() if line.strip().startswith(starts)]
+    told, _ = solar_env.SolarArrayEnv.__doc__.split("## Rewards")
+    (line,) = [line for line in told.splitlines() if line.strip().startswith(starts)]
     assert f"| {row.low:.4g} | {row.high:.4g} | {row.unit} |" in line
     noise = getattr(row, "noise", None)
     assert noise is None or f"`{noise}`" in line
@@ -109,7 +110,9 @@ def test_the_observations_list_what_is_documented_in_that_order():
     drive += ["motor_torque", "time_to_deadline", "time_since_latch"]
     remembered = [*drive[:6], "motor_torque"]
     journals = [f"{name}_{k}" for k in (1, 2, 3) for name in ("eccentricity_x", "eccentricity_y", "in_contact")]
-    assert set(OBSERVATIONS) == {"drive", "history", "landing", "privileged"}
+    assert set(OBSERVATIONS) == {"scaled", "drive", "history", "landing", "privileged"}
+    distances, speeds, switches = ([f"{name}_{k}" for k in (1, 2, 3)] for name in ("distance", "speed", "latched"))
+    assert names(3, "scaled") == [*distances, *speeds, *switches, "time", "log_setpoint"]
     assert names(3, "drive") == drive
     assert names(3, "history") == drive + [f"{name}_{back}_ago" for back in (1, 2, 3) for name in remembered]
     assert names(3, "privileged") == [*drive, *journals, "main_body_spin"]
@@ -117,7 +120,7 @@ def test_the_observations_list_what_is_documented_in_that_order():
 
 def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
     env = gymnasium.make(
-        DEPLOY,
+        DEPLOY_V1,
         model="rigid-ideal",
         control_period=1e-3,
         parameters={"initial_spin": 0.5},
@@ -131,7 +134,9 @@ def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
 
 
 def test_the_peak_force_is_the_greatest_of_the_last_period_alone():
-    env = gymnasium.make(DEPLOY, model="rigid-ideal", control_period=1e-3, observation=["recent_peak_force"]).unwrapped
+    env = gymnasium.make(
+        DEPLOY_V1, model="rigid-ideal", control_period=1e-3, observation=["recent_peak_force"]
+    ).unwrapped
     first, _ = env.reset(seed=0)
     pushed, quiet = (env.step([action])[0] for action in (1.0, 0.0))
     assert np.all(first == 0.0)

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.mechanics.arrays.columns import RATE
 
 RATE_LOOP = {"model": "rigid-ideal", "action": "rate"}
@@ -18,7 +18,7 @@ SLOW = {"rate_loop_frequency": 10.0, "rate_loop_lag": 0.0}
 
 
 def make(hardware=None, **keywords):
-    env = gymnasium.make(DEPLOY, hardware={**SLOW, **(hardware or {})}, **RATE_LOOP, **keywords).unwrapped
+    env = gymnasium.make(DEPLOY_V1, hardware={**SLOW, **(hardware or {})}, **RATE_LOOP, **keywords).unwrapped
     env.reset(seed=0)
     return env
 
@@ -45,14 +45,14 @@ def test_without_the_filter_a_fast_loop_shakes_flexible_panels():
     """By what it is charged for wear in the first two seconds."""
     wear = []
     for lag in (0.0, 0.1):
-        env = gymnasium.make(DEPLOY, model="flexible-clearance", action="rate", hardware={"rate_loop_lag": lag})
+        env = gymnasium.make(DEPLOY_V1, model="flexible-clearance", action="rate", hardware={"rate_loop_lag": lag})
         env.reset(seed=0)
         wear.append(-sum(env.step([0.8])[-1]["reward_terms"]["wear"] for _ in range(20)))
     assert wear[0] > 10.0 * wear[1]
 
 
 def test_the_filter_goes_with_an_episode_that_is_saved():
-    envs = gymnasium.make_vec(DEPLOY, 2, hardware={"rate_loop_lag": 0.4}, **RATE_LOOP)
+    envs = gymnasium.make_vec(DEPLOY_V1, 2, hardware={"rate_loop_lag": 0.4}, **RATE_LOOP)
     envs.reset(seed=0)
     for _ in range(3):
         envs.step(np.full((2, 1), 0.6, np.float32))
@@ -87,7 +87,7 @@ def test_the_torque_stays_within_the_limit_and_follows_the_motors_lag_and_rate_l
 
 def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_in_a_vector():
     noisy = {"rate_noise": 1e-3}
-    single, vector = make(hardware=noisy), gymnasium.make_vec(DEPLOY, 2, hardware={**SLOW, **noisy}, **RATE_LOOP)
+    single, vector = make(hardware=noisy), gymnasium.make_vec(DEPLOY_V1, 2, hardware={**SLOW, **noisy}, **RATE_LOOP)
     vector.reset(seed=0)
     errors = []
     for _ in range(50):
@@ -107,4 +107,4 @@ def test_a_loop_that_cannot_be_is_refused_by_name():
         ({"hardware": {"rate_loop_gain": 0.0}}, "rate_loop_gain.*0.0.*positive"),
     ):
         with pytest.raises(ValueError, match=words):
-            gymnasium.make(DEPLOY, **keywords)
+            gymnasium.make(DEPLOY_V1, **keywords)

@@ -35,15 +35,15 @@ from scipy.stats import spearmanr
 
 from agents.laws.table import TUNABLE
 from agents.torque_laws import Signals
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.task.reward import Price
-from solar_env.environment.task.task import VERSIONS, Task
+from solar_env.environment.task.task import Task
 
 
 @pytest.fixture(scope="module")
 def wide_set():
     """Controllers from all over: every torque law with parameters anywhere in their ranges, and torques of no law."""
-    signals = Signals.of(gymnasium.make(DEPLOY))
+    signals = Signals.of(gymnasium.make(DEPLOY_V1))
     generator = np.random.default_rng(0)
     laws = [constant(action) for action in (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0)]
     laws += [erratic(seed) for seed in range(3)]
@@ -75,8 +75,8 @@ def rank_correlation(one, other):
 
 
 def test_limits_durations_and_prices_are_the_documented_ones():
-    assert Task(0.5, 0.1, 20, 10, driven_joint=0) == TASK == VERSIONS["v1"].task
-    env = gymnasium.make(DEPLOY).unwrapped
+    assert Task(0.5, 0.1, 20, 10, driven_joint=0) == TASK
+    env = gymnasium.make(DEPLOY_V1).unwrapped
     assert env.task == TASK
     assert env.reward.names == ("peak_impact", "wear", "missed_deadline")
     assert env.reward.prices["peak_impact"] == Price(FORCE_SCALE, 1.0, LARGEST)

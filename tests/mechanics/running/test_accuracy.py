@@ -14,7 +14,7 @@ from mechanisms import block, pendulum
 
 from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_deployment
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, RungeKutta
 from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing, Stop
@@ -127,7 +127,7 @@ def test_the_defaults_are_silent_for_a_whole_deployment() -> None:
 
 
 def test_the_environment_looks_at_the_accuracy_when_an_episode_ends() -> None:
-    env = gymnasium.make(DEPLOY).unwrapped
+    env = gymnasium.make(DEPLOY_V1).unwrapped
     env.reset(seed=0)
     # Energy from nowhere.
     env.simulation.state.clock["initial_energy"] -= 0.1

@@ -29,6 +29,7 @@ SAMPLED = "initial_rate"
 
 # They say what is observed, what an action is and how long it holds: controllers differ in them.
 INTERFACE = ("observation", "action", "control_period")
+OF_LAWS: Mapping[str, object] = {"observation": "drive", "action": "torque", "control_period": 0.1}
 
 Purpose = Literal["training", "validation", "evaluation"]
 _BLOCKS: dict[Purpose, int] = {"training": 0, "validation": 1, "evaluation": 2}

@@ -1,33 +1,41 @@
 """The training command for tests: quick options for every algorithm."""
 
+import warnings
+from pathlib import Path
+
 import numpy as np
 
 from agents.commands import train
 from agents.environments import DEFAULT_ENV_ID
-from agents.learning import checkpoints, learn, runs
+from agents.laws.baselines import UntunedWarning
 from agents.policies import shipped
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.shipped import UNITS, Description, ShippedPolicy
 from solar_env.commands.arguments import parse_arguments
 
-RIGID = ["--model", "rigid-clearance"]
-OFF_POLICY = [*RIGID, "--n-envs", "1"]
-OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
-OFF_POLICY += ["train_freq=50", "gradient_steps=2"]
-PPO = ["--algo", "ppo", *RIGID, "--n-envs", "2", "--hyperparams", "n_steps=300", "batch_size=100"]
-SMALL = {"ppo": PPO, "sac": OFF_POLICY, "td3": OFF_POLICY}
+train.VALIDATIONS, train.EPISODES = 2, 2  # of every training in tests
+QUICK_RUN = ["--model", "rigid-ideal", "--timesteps", "192"]
+OFF_POLICY = [*QUICK_RUN, "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
+SMALL = {
+    "ppo": [*QUICK_RUN, "--hyperparams", "n_steps=64", "batch_size=32", "n_epochs=2"],
+    **dict.fromkeys(("sac", "td3", "tqc"), OFF_POLICY),
+    "ars": [*QUICK_RUN, "--hyperparams", "n_delta=2"],
+    "cma-es": [*QUICK_RUN, "--n-envs", "4", "--hyperparams", "population=4", "generations_between=1"],
+}
 
 
-def run(*arguments):
+def run(*arguments, compare=True):
+    """Train as the command does; returns the run folder."""
     words = ["--quiet", "--eval-episodes", "2", *map(str, arguments)]
-    words += [] if "--jobs" in words else ["--jobs", "1"]
-    return train.run(parse_arguments(train.Args, words, "solar-env train"))
-
-
-def last_model(folder):
-    """The model that the run in a folder has come to."""
-    config = runs.read_config(folder)
-    return checkpoints.restored(checkpoints.read(folder), config, learn.make_training_env(config, threads=1), folder)
+    args = parse_arguments(train.Args, words + ([] if "--jobs" in words else ["--jobs", "1"]), "solar-env train")
+    if compare:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UntunedWarning)
+            train.run_command(args)
+        return Path(args.out or args.resume)
+    config, folder = train.begin(args)
+    train.train(config, folder, args.timesteps, progress=False)
+    return folder
 
 
 def write_policy(folder, output=None, **changes):

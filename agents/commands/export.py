@@ -58,14 +58,10 @@ def named_policy(name: str | Path) -> ShippedPolicy:
 
     Raises:
         FileNotFoundError: There is none.
-        ValueError: The training was interrupted, or a file is damaged.
+        ValueError: A file is damaged.
     """
     folder = Path(name)
-    if not (folder / runs.CONFIG).is_file():
-        return shipped.load_shipped(name)
-    if not runs.is_complete(folder):
-        raise ValueError(f"the training in {folder} was interrupted; resume it, and export what comes of that")
-    return runs.best_policy(folder)
+    return runs.best_policy(folder) if (folder / runs.CONFIG).is_file() else shipped.load_shipped(name)
 
 
 def onnx_form() -> ModuleType:
@@ -90,7 +86,7 @@ def export(run: str | Path, folder: Path) -> ShippedPolicy:
         FileExistsError: `folder` exists.
         OSError: It cannot be written.
         FileNotFoundError: There is no run, or it has no policy.
-        ValueError: ONNX is not installed, the name is a law's, or the training was interrupted.
+        ValueError: ONNX is not installed, or the name is a law's.
     """
     form = onnx_form()
     if folder.name in LAWS or not re.fullmatch(r"\w[\w-]*", folder.name):

@@ -1,4 +1,4 @@
-"""Controllers by name: rows of the table of laws, shipped policies, and run folders."""
+"""Controllers by name: rows of the table of laws, shipped policies, run folders, and models that were saved."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,11 +7,12 @@ from pathlib import Path
 import gymnasium
 
 from agents.comparison.receding_horizon import RecedingHorizon
-from agents.environments import INTERFACE, Keywords
+from agents.environments import INTERFACE, OF_LAWS, Keywords
 from agents.laws.baselines import make_baseline
 from agents.laws.table import LAWS
 from agents.learning import runs
 from agents.policies import shipped
+from agents.policies.saved_models import read_model
 from agents.policies.shipped import Description, ShippedPolicy
 from agents.torque_laws import Controller
 
@@ -25,7 +26,8 @@ class NamedController:
 
     Attributes:
         name: Name in tables and figures.
-        spec: Name in `agents.laws.table.LAWS`, shipped policy, or run folder; or one of these after `SEARCH_AROUND`.
+        spec: Name in `agents.laws.table.LAWS`, shipped policy, run folder, or .zip file of Stable-Baselines3's
+            `model.save`; or one of these after `SEARCH_AROUND`.
 
     Raises:
         FileNotFoundError: By the methods, where there is no such run or it has no policy.
@@ -51,6 +53,9 @@ class NamedController:
         controller: Controller
         if self.base in LAWS:
             controller = make_baseline(self.base, env)
+        elif self._is_model:
+            controller = read_model(self.base)
+            controller.check(env)
         else:
             controller = policy = self.policy()
             policy.check(env)
@@ -58,20 +63,29 @@ class NamedController:
 
     def policy(self) -> ShippedPolicy:
         """Read a trained policy."""
-        if not any((self.folder / name).is_file() for name in (shipped.DESCRIPTION, runs.CONFIG)):
+        if (self.folder / runs.CONFIG).is_file():
+            return runs.best_policy(self.folder)
+        if not (self.folder / shipped.DESCRIPTION).is_file():
             known = ", ".join((*LAWS, *shipped.available()))
             raise FileNotFoundError(
-                f"no controller {self.base!r}: it is no run folder of train.py, and none of {known}"
+                f"no controller {self.base!r}: it is no run folder of train.py, no model.zip, and none of {known}"
             )
-        return runs.best_policy(self.folder)
+        return shipped.load_shipped(self.folder.resolve())
+
+    @property
+    def _is_model(self) -> bool:
+        return self.base.endswith(".zip")
 
     def files(self) -> list[Path]:
         """List the files that determine a trained controller; none for a law."""
-        return [] if self.base in LAWS else [self.folder / name for name in runs.POLICY]
+        if self.base in LAWS or self._is_model:
+            return [Path(self.base)] if self._is_model else []
+        names = (runs.CONFIG, runs.BEST, shipped.ARRAYS, shipped.DESCRIPTION)
+        return [self.folder / name for name in names if (self.folder / name).is_file()]
 
     def training(self) -> Description | None:
-        """Read the record of the training; None for a law."""
-        return None if self.base in LAWS else self.policy().description
+        """Read the record of the training; None for a law, and for a saved model, which has none."""
+        return None if self.base in LAWS or self._is_model else self.policy().description
 
     @property
     def resolved(self) -> str:
@@ -80,7 +94,9 @@ class NamedController:
         return self.spec if named else self.spec.removesuffix(self.base) + str(self.folder.resolve())
 
     def interface(self) -> Keywords:
-        """Return the environment keywords of the training that say what is observed and what an action is."""
+        """Return the environment keywords, of the training or of laws, that say what is observed and done."""
+        if self.base in LAWS:
+            return dict(OF_LAWS)
         training = self.training()
         trained = training.env_kwargs if training else {}
         return {name: trained[name] for name in INTERFACE if name in trained}

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import NullFormatter
 
 from agents.comparison.report import FEWEST, HIGHER_IS_BETTER, TABLE, Summary
 from agents.learning import runs
@@ -16,12 +16,12 @@ from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, 
 from solar_env.support.files import save_figure
 
 Curve = tuple[np.ndarray, np.ndarray]
-"""Of a training run: simulated time [s] and mean validation return (validations,)."""
+"""Of a training run: environment steps and mean validation return (validations,)."""
 
 
 @rc_context(STYLE)
 def learning_curve_figure(folder: Path, reference_returns: Mapping[str, float]) -> None:
-    """Draw `figure.png` of the run in `folder`: minus the mean validation return over environment steps.
+    """Draw `figure.png` of the run in `folder`: the mean validation return over environment steps.
 
     `reference_returns` by controller are lines.
     """
@@ -30,10 +30,10 @@ def learning_curve_figure(folder: Path, reference_returns: Mapping[str, float]) 
     validation = history["results"].mean(axis=1)
     figure = Figure(figsize=(6.5, 4.5), layout="constrained")
     axes = figure.subplots()
-    axes.plot(history["timesteps"], -validation, "o-", color=color, ms=3, label=algo)
+    axes.plot(history["timesteps"], validation, "o-", color=color, ms=3, label=algo)
     for name, look in controller_looks(list(reference_returns)).items():
-        axes.axhline(-reference_returns[name], ls="--", color=look["color"], label=name)
-    axes.set(xlabel="environment steps", ylabel="minus the return", yscale="log")
+        axes.axhline(reference_returns[name], ls="--", color=look["color"], label=name)
+    axes.set(xlabel="environment steps", ylabel="return in validation")
     axes.legend()
     others = ", ".join(f"{name} {value:.3g}" for name, value in reference_returns.items())
     figure.suptitle(f"{algo} reaches a return of {validation.max():.3g} in validation; {others}")
@@ -84,35 +84,33 @@ def comparison_figure(summary: Summary, path: Path) -> None:
 def learning_curves_figure(
     curves: Mapping[str, Sequence[Curve]], laws: Mapping[str, float], title: str, path: Path
 ) -> None:
-    """Draw validation returns over simulated time: medians over training seeds, and their range.
+    """Draw validation returns over environment steps: medians over training seeds, and their range.
 
     `curves` maps algorithms to the curves of the seeds, which are drawn as far as all of them go; `laws` maps laws to
     their returns.
     """
-    figure = Figure(figsize=(5.5, 3.6), layout="constrained")
+    figure = Figure(figsize=(6.5, 4.0), layout="constrained")
     axes, last = figure.subplots(), {}
     for algo, of_agent in curves.items():
-        times, returns = _over_common_times(of_agent)
-        color, hours = look_of(algo, CONTROLLER_LOOKS)["color"], times / 3600.0
-        axes.plot(hours, -np.median(returns, axis=0), color=color, label=f"{algo}, {len(returns)} seeds")
-        axes.fill_between(hours, -returns.max(axis=0), -returns.min(axis=0), color=color, alpha=0.15, lw=0)
+        steps, returns = _over_common_steps(of_agent)
+        color = look_of(algo, CONTROLLER_LOOKS)["color"]
+        axes.plot(steps, np.median(returns, axis=0), color=color, label=f"{algo}, {len(returns)} seeds")
+        axes.fill_between(steps, returns.max(axis=0), returns.min(axis=0), color=color, alpha=0.15, lw=0)
         last[algo] = np.median(returns[:, -1])
     for name, mean in laws.items():
-        axes.axhline(-mean, color=look_of(name, CONTROLLER_LOOKS)["color"], linestyle=":", label=f"{name}, tuned")
-    axes.set(yscale="log", xlabel="simulated time [h]", ylabel="minus the validation return", title=title)
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))  # some in less than a decade
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.axhline(mean, color=look_of(name, CONTROLLER_LOOKS)["color"], linestyle=":", label=name)
+    lowest = min([*laws.values(), *(np.median(of[0][1]) for of in curves.values())])
+    axes.set(ylim=(lowest - 1.0, None), xlabel="environment steps", ylabel="return in validation", title=title)
     axes.legend()
     figure.suptitle(f"Best at the end: {max(last, key=last.__getitem__)}")
     save_figure(figure, path, dpi=130)
 
 
-def _over_common_times(of_agent: Sequence[Curve]) -> tuple[np.ndarray, np.ndarray]:
-    """Times of all runs up to the first end of one (n,), and the returns at these, linear in between (runs, n)."""
-    times = np.unique(np.concatenate([times for times, _ in of_agent]))
-    times = times[times <= min(run_times[-1] for run_times, _ in of_agent)]
-    return times, np.array([np.interp(times, *run) for run in of_agent])
+def _over_common_steps(of_agent: Sequence[Curve]) -> tuple[np.ndarray, np.ndarray]:
+    """Steps of all runs up to the first end of one (n,), and the returns at these, linear in between (runs, n)."""
+    steps = np.unique(np.concatenate([steps for steps, _ in of_agent]))
+    steps = steps[steps <= min(run_steps[-1] for run_steps, _ in of_agent)]
+    return steps, np.array([np.interp(steps, *run) for run in of_agent])
 
 
 @rc_context(STYLE)

@@ -20,6 +20,7 @@ from solar_env.support.versions import versions
 # Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
 TABLE: dict[str, tuple[str, float]] = {
     "return": ("return", 1.0),
+    "v1_return": ("return at the prices of v1", 1.0),
     "peak_postlock_force_N": ("peak post-lock force [N]", 1.0),
     "peak_prelatch_force_N": ("peak force before latching [N]", 1.0),
     "sliding_work_J": ("sliding work [mJ]", 1e3),
@@ -30,7 +31,7 @@ TABLE: dict[str, tuple[str, float]] = {
     "motor_work_J": ("motor work [J]", 1.0),
 }
 TABLES = "comparison.md"  # of an evaluation
-HIGHER_IS_BETTER = frozenset({"return"})
+HIGHER_IS_BETTER = frozenset({"return", "v1_return"})
 
 Row = dict[str, Any]
 Entry = dict[str, Any]  # of a controller: estimates, its number of runs, the share that latched

@@ -71,7 +71,8 @@ def _entries(name: str) -> dict[str, Any]:
 
 def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
     """Entry of the law's file that a model gets, and the model that it was tuned for."""
-    by_model = _entries(name).get(env_id, {})
+    entries, (stem, _, _) = _entries(name), env_id.rpartition("-")
+    by_model = entries.get(env_id) or entries.get(f"{stem}-v1", {})
     source = model if model in by_model else FALLBACK_MODEL
     if source not in by_model:
         raise ValueError(

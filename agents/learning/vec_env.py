@@ -11,7 +11,6 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from agents.environments import DEFAULT_ENV_ID, make_vector_env
-from agents.learning.storage import rebuilt
 from solar_env.environment.episodes import Info
 
 
@@ -63,22 +62,6 @@ class NativeVecEnv(VecEnv):
             info["TimeLimit.truncated"] = truncated and not terminated
         return observations, rewards.astype(np.float32), dones, told
 
-    @property
-    def lanes(self) -> dict[str, Any]:
-        """All that the episodes go on from, in values that `storage` keeps; it can be set, once they have begun."""
-        env = self.env.unwrapped
-        episodes = [env.lane(lane).save_episode() for lane in range(self.num_envs)]
-        return {"episodes": episodes, "generators": list(env.np_random), "seeds": self._seeds}
-
-    @lanes.setter
-    def lanes(self, lanes: Mapping[str, Any]) -> None:
-        env = self.env.unwrapped
-        for number, (episode, generator) in enumerate(zip(lanes["episodes"], lanes["generators"], strict=True)):
-            lane = env.lane(number)
-            lane.restore_episode(rebuilt(lane.save_episode(), episode))
-            env.draw_from(number, generator)
-        self._seeds = lanes["seeds"]
-
     def close(self) -> None:
         """Stop the threads."""
         self.env.close()
@@ -127,34 +110,3 @@ class FixedSeeds(VecEnvWrapper):
     def step_wait(self) -> VecEnvStepReturn:
         """Return the step of the environment."""
         return self.venv.step_wait()
-
-
-class LogarithmicCharges(VecEnvWrapper):
-    """Rewards a training agent by the logarithm of the cost of the episode so far, `-scale log(1 + cost / scale)`.
-
-    A missed deadline costs some hundred times as much as a soft landing. It would fix the scale of normalised rewards,
-    and leave differences between landings too small to learn from. Small costs hardly change, and the order of costs
-    stays.
-
-    Args:
-        venv: Environment to wrap.
-        scale: Cost of an episode above which the logarithm matters.
-    """
-
-    def __init__(self, venv: VecEnv, scale: float) -> None:
-        super().__init__(venv)
-        self._scale = scale
-        self._costs = np.zeros(venv.num_envs)
-
-    def reset(self) -> VecEnvObs:
-        """Begin new episodes."""
-        self._costs[:] = 0.0
-        return self.venv.reset()
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Return the step of the environment with logarithmic rewards."""
-        observations, rewards, dones, infos = self.venv.step_wait()
-        total = self._costs - rewards
-        seen = self._scale * np.log((self._scale + self._costs) / (self._scale + total))
-        self._costs[:] = np.where(dones, 0.0, total)
-        return observations, seen.astype(rewards.dtype), dones, infos

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import gymnasium
 import numpy as np
 
 from agents.torque_laws import DeterministicController
@@ -72,6 +73,15 @@ class PolicyNetwork(DeterministicController):
     def outputs(self) -> int:
         """Number of entries of an action."""
         return self.layers[-1].biases.size
+
+    def check(self, env: gymnasium.Env) -> None:
+        """Refuse an environment with another number of entries in an observation or an action, by a ValueError."""
+        shapes = env.observation_space.shape, env.action_space.shape
+        if shapes != ((self.inputs,), (self.outputs,)):
+            raise ValueError(
+                f"the environment observes {shapes[0]} and takes {shapes[1]}, the policy maps ({self.inputs},) to "
+                f"({self.outputs},); give with --env-id and --env-kwargs what it was trained on"
+            )
 
     def act(self, observation: np.ndarray) -> np.ndarray:
         """Map observations (inputs,) or (n, inputs) to actions (outputs,) or (n, outputs) in [-1, 1], float32.

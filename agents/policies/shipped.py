@@ -12,7 +12,7 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 
-from agents.environments import Keywords
+from agents.environments import Keywords, environment_settings
 from agents.policies.network import Layer, PolicyNetwork
 from agents.torque_laws import DeterministicController, Signals
 from solar_env.support.files import PART, write_text, writing
@@ -35,7 +35,7 @@ class Description:
     """Content of `policy.json`: all of a trained policy but the network's arrays.
 
     Attributes:
-        algorithm: Name in `agents.learning.runs.ALGORITHMS`.
+        algorithm: Name in `agents.commands.train.ALGORITHMS`.
         observation_limit, activation, output, mean_limit: See `PolicyNetwork`.
         training_steps: Environment steps of its training, with those of the runs that it was resumed from.
         env_id: Environment that it was trained on.
@@ -73,8 +73,9 @@ class Description:
     @property
     def signals(self) -> Signals:
         """Names and units of the environment that it was trained on."""
-        keywords = {name: self.env_kwargs[name] for name in ("driven_joint", "action") if name in self.env_kwargs}
-        return Signals(self.observation_names, **{name: getattr(self, name) for name in UNITS}, **keywords)
+        task = environment_settings(self.env_id, self.env_kwargs).task
+        units = {name: getattr(self, name) for name in UNITS}
+        return Signals(self.observation_names, **units, driven_joint=task.driven_joint, action=task.action)
 
 
 class ShippedPolicy(DeterministicController):

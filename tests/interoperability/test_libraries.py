@@ -14,7 +14,7 @@ import pytest
 import solar_env  # noqa: F401 (registers the environments)
 from agents.environments import make_env
 from agents.policies.shipped import load_shipped
-from solar_env.environment.registration import DEPLOY_V1
+from solar_env.environment.registration import DEPLOY, DEPLOY_V1
 
 ROOT = Path(__file__).resolve().parents[2]
 ZOO = ROOT / "agents" / "configs" / "rl-zoo3" / "ppo.yml"
@@ -50,7 +50,7 @@ def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():
 def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
     pytest.importorskip("rl_zoo3")
     command = [
-        *(sys.executable, "-W", "ignore", "-m", "rl_zoo3.train", "--algo", "ppo", "--env", DEPLOY_V1),
+        *(sys.executable, "-W", "ignore", "-m", "rl_zoo3.train", "--algo", "ppo", "--env", DEPLOY),
         *("--gym-packages", "solar_env", "--conf-file", str(ZOO), "-n", "300", "--eval-freq", "-1"),
         *("--hyperparams", "n_envs:2", "n_steps:150", "batch_size:50", "--env-kwargs", "model:'rigid-ideal'"),
         *("--log-folder", str(tmp_path), "--seed", "1"),
@@ -58,7 +58,7 @@ def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment)
     assert done.returncode == 0, done.stderr[-2000:]
-    assert list(tmp_path.rglob("solar_env-Deploy-v1.zip"))
+    assert list(tmp_path.rglob("solar_env-Deploy-v2.zip"))
 
 
 @pytest.mark.interoperability

@@ -6,11 +6,14 @@ import json
 import random
 import warnings
 
+import gymnasium
 import numpy as np
 import pytest
+from stable_baselines3 import PPO
 
-from agents.learning import runs, storage
+from agents.learning import runs
 from agents.policies import shipped
+from agents.policies.saved_models import read_model
 from solar_env.array import ArrayParameters, read_parameters
 from solar_env.array.deployment import simulate
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, cheapest, read_answers
@@ -23,7 +26,7 @@ from solar_env.support.campaigns import Campaign
 from solar_env.support.plain_arrays import parse_json
 
 RUN = {"algo": "ppo", "env_id": DEPLOY_V1, "env_kwargs": {}, "seed": 0, "n_envs": 1, "timesteps": 9}
-RUN |= {"hyperparameters": {}, "timesteps_before": 0, "resumed_from": None, "versions": {}, "command": ""}
+RUN |= {"hyperparameters": {}, "versions": {}, "command": ""}
 POLICY = shipped.SHIPPED / shipped.available()[0]
 POLICY_FILES, SPLIT = (shipped.DESCRIPTION, shipped.ARRAYS), b"\n---\n"
 
@@ -39,7 +42,6 @@ def read_policy(path):
 def read_run(path):
     path.rename(path.parent / runs.CONFIG)
     runs.read_config(path.parent)
-    runs.is_complete(path.parent)
 
 
 def read_changes(path):
@@ -57,12 +59,18 @@ def a_trajectory(folder):
     return [(folder / "whole.npz").read_bytes()]
 
 
+def a_model(folder):
+    env = gymnasium.make("solar_env/Deploy-v2", model="rigid-ideal")
+    PPO("MlpPolicy", env, device="cpu", policy_kwargs={"net_arch": [2]}).save(folder / "model.zip")
+    return [(folder / "model.zip").read_bytes()]
+
+
 # Name -> how the file is read, and what is changed.
 READERS = {
     "trajectory": (lambda path: Trajectory.load(path, most_bytes=2**20).summary(), a_trajectory),
     "policy": (read_policy, lambda _: [SPLIT.join((POLICY / name).read_bytes() for name in POLICY_FILES)]),
     "run folder": (read_run, lambda _: [json.dumps(RUN).encode()]),
-    "checkpoint": (storage.unpacked, lambda _: [storage.packed({"timesteps": 1, "lanes": [np.zeros(2), (None, "a")]})]),
+    "model": (read_model, a_model),
     "table": (
         lambda path: read_table(path).column("error"),
         lambda _: [b"# command: x\nmethod,error,wall_s\nours,0.1,2\nother,1e-3,5\n"],

@@ -5,12 +5,11 @@ import shlex
 
 import pytest
 
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
-from agents.laws.baselines import make_baseline
-from agents.rollout import run_episode
+from agents.comparison.evaluation import evaluate
 from solar_env.__main__ import main
 from solar_env.commands import table
 from solar_env.commands.arguments import parse_arguments
+from solar_env.environment.registration import DEPLOY
 from solar_env.support.readme import PACKAGE, Section
 from solar_env.verification.suite import CASES
 
@@ -36,25 +35,26 @@ WITH_PROGRAMS = [page for page, text in TEXTS.items() if fenced(text, "python")]
 
 
 @pytest.mark.parametrize("page", WITH_PROGRAMS)
-def test_the_programs_of_a_page_run_one_after_the_other(page):
+def test_the_programs_of_a_page_run_one_after_the_other(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     namespace = {}
     for program in fenced(TEXTS[page], "python"):
-        # One short rollout of the long training.
-        exec(program.replace("learn(200_000)", "learn(480)").replace("n_steps=60", "n_steps=10"), namespace)
+        exec(program.replace("learn(100_000)", "learn(100)").replace('"MlpPolicy", env', QUICK_PPO), namespace)
+
+
+QUICK_PPO = '"MlpPolicy", env, n_steps=50, batch_size=50'
 
 
 @pytest.mark.slow
-def test_the_lines_with_which_ppo_learns_from_nothing_land_more_softly_than_the_tuned_damper():
-    namespace = {}
-    [program] = fenced(TEXTS["agents/learning/README.md"], "python")
-    exec(program, namespace)
-
-    def returns(keywords, controller):
-        env = make_env(DEFAULT_ENV_ID, keywords)
-        made = controller or make_baseline("damper", env)
-        return [run_episode(env, made, seed)["return"] for seed in episode_seeds("evaluation", 0, 8)]
-
-    assert min(returns(namespace["drive"], namespace["model"])) > max(returns(with_sampling({}), None))
+def test_the_lines_with_which_ppo_learns_land_more_softly_than_the_tuned_damper(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    [program, *_] = fenced(TEXTS["agents/learning/README.md"], "python")
+    exec(program.replace("100_000", "45_000"), {})
+    (learned,), (damper,) = (
+        evaluate([controller], 1, 0, DEPLOY, {"model": "rigid-clearance"}, progress=False)
+        for controller in ("ppo_deploy.zip", "damper")
+    )
+    assert learned["return"] > damper["return"]
 
 
 def commands():

@@ -9,7 +9,6 @@ import pytest
 from trained import COMMAND, random_observations
 
 from agents.commands import export
-from agents.learning import runs
 from agents.policies import onnx_form, shipped
 from agents.policies.shipped import load_shipped
 from solar_env.__main__ import execute
@@ -17,13 +16,13 @@ from solar_env.support.files import new_folder
 
 
 def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished, monkeypatch, capsys):
-    folder = finished["linear"][1]
+    folder = finished["scored"][1]
     monkeypatch.setattr(shipped, "SHIPPED", folder.parent)
     card = (folder / shipped.CARD).read_text()
     assert COMMAND in card
     assert '"seed": 7' in card
-    assert '"n_steps": 50' in card
-    assert "9 - 1, linear; observations are clipped to 3.0" in " ".join(card.split())
+    assert '"n_steps": 64' in card
+    assert "9 - 64 - 64 - 1, tanh between its layers" in " ".join(card.split())
     assert "on the model rigid-ideal" in card
     assert "| passive | " in card
     assert "None were measured." in (finished["ppo"][1] / shipped.CARD).read_text()
@@ -32,15 +31,6 @@ def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished,
     for snippet in snippets:
         exec(snippet, {})
     assert "'return'" in capsys.readouterr().out
-
-
-def test_the_policy_of_an_interrupted_training_is_not_shipped(finished, tmp_path):
-    run = tmp_path / "run"
-    run.mkdir()
-    for name in (runs.CONFIG, *runs.POLICY):
-        (run / name).write_bytes((finished["ppo"][0] / name).read_bytes())
-    with pytest.raises(ValueError, match="was interrupted; resume it, and export what comes of that"):
-        export.export(run, tmp_path / "shipped")
 
 
 def test_the_command_writes_a_shipped_policy_and_overwrites_nothing(finished, tmp_path, monkeypatch):

@@ -185,13 +185,14 @@ def test_a_controller_may_be_given_a_name_and_a_folder_is_one_whatever_signs_are
 
 def test_something_that_is_neither_baseline_nor_run_is_refused(tmp_path):
     with pytest.raises(
-        FileNotFoundError, match=r"it is no run folder of train\.py, and none of passive, .*cma-es-nominal"
+        FileNotFoundError,
+        match=r"it is no run folder of train\.py, .* and none of passive, .*cma-es-nominal",
     ):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
 
 
 def test_a_run_without_policy_says_so(tmp_path):
-    config = runs.complete("ppo", DEFAULT_ENV_ID, {}, 0)
+    config = runs.Configuration("ppo", DEFAULT_ENV_ID, {}, 0, 1, 9, {})
     runs.write_json(tmp_path / runs.CONFIG, asdict(config))
     with pytest.raises(FileNotFoundError, match="has no policy; the run ended before its first validation"):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)

@@ -55,7 +55,7 @@ def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, n
     assert (controller.name, controller.spec, controller.resolved) == (name, name, name)
     assert not controller.files()
     assert not controller.training()
-    assert not controller.interface()
+    assert controller.interface() == {"observation": "drive", "action": "torque", "control_period": 0.1}
     law = controller.load(env)
     assert type(law) is LAWS[name]
     if name in TUNABLE:

@@ -10,7 +10,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.environments import DEFAULT_ENV_ID, environment_settings, make_env
-from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
+from agents.learning.vec_env import FixedSeeds, NativeVecEnv
 
 LANES = 3
 KEYWORDS = {
@@ -95,26 +95,3 @@ def test_fixed_seeds_begin_the_same_episodes_at_every_reset():
 def test_an_id_of_no_environment_is_refused_with_those_that_there_are(env_id, made):
     with pytest.raises(ValueError, match=rf"no environment '{env_id}' .*available: .*{DEFAULT_ENV_ID}"):
         made(env_id)
-
-
-@pytest.mark.parametrize(("deadline", "cost"), [(0.3, 25.0), (20.0, 0.0)], ids=["missed deadline", "deployment"])
-def test_in_training_an_episode_is_charged_the_logarithm_of_its_cost_and_the_next_begins_at_nothing(deadline, cost):
-    keywords = {"env_kwargs": {**KEYWORDS, "deadline": deadline}}
-    plain, training = NativeVecEnv(2, **keywords), LogarithmicCharges(NativeVecEnv(2, **keywords), 0.5)
-    for venv in (plain, training):
-        venv.seed(5)
-    assert np.array_equal(plain.reset(), training.reset())
-    costs, charges, episodes = np.zeros(2), np.zeros(2), 0
-    for _ in range(150):
-        (expected, rewards, ends, _), (observations, charged, dones, _) = (
-            venv.step(np.zeros((2, 1), dtype=np.float32)) for venv in (plain, training)
-        )
-        assert np.array_equal(observations, expected)
-        assert np.array_equal(dones, ends)
-        costs -= rewards
-        charges -= charged
-        assert charges == pytest.approx(0.5 * np.log1p(costs / 0.5), rel=1e-5)
-        assert np.all(costs[dones] >= cost)
-        episodes += np.count_nonzero(dones)
-        costs[dones], charges[dones] = 0.0, 0.0
-    assert episodes >= 4, "the second episode of each lane is charged as the first"

@@ -121,7 +121,7 @@ def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monke
     monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
     with pytest.raises(
         FileNotFoundError,
-        match=r"no shipped policy 'nobody'.*available: cma-es, linear, ppo, sac, td3",
+        match=r"no shipped policy 'nobody'.*available: cma-es, ppo, sac, scored, td3",
     ):
         load_shipped("nobody")
     assert load_shipped("td3").description.algorithm == "td3"

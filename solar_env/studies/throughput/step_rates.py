@@ -12,7 +12,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from solar_env.environment.registration import DEPLOY_V1
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.vector_env import SolarArrayVectorEnv
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.running.batch import available_processors
@@ -30,7 +30,7 @@ ENOUGH, FEWEST = 2.0, 3
 @cache
 def moments(model: str) -> tuple[State, ...]:
     """Saved states of one passive deployment, MOMENTS of them, evenly spread over its control periods."""
-    env: Any = gymnasium.make(DEPLOY_V1, model=model).unwrapped
+    env: Any = gymnasium.make(DEPLOY, version="v1", model=model).unwrapped
     env.reset(seed=0)
     states, terminated = [env.simulation.snapshot()], False
     while not terminated:
@@ -55,7 +55,7 @@ class FromMoment(gymnasium.Wrapper):
     """A single environment whose episodes begin at a saved state."""
 
     def __init__(self, model: str, moment: State) -> None:
-        super().__init__(gymnasium.make(DEPLOY_V1, model=model))
+        super().__init__(gymnasium.make(DEPLOY, version="v1", model=model))
         self._moment = moment
 
     def reset(self, **keywords: Any) -> tuple[Any, dict[str, Any]]:
@@ -67,7 +67,7 @@ class FromMoment(gymnasium.Wrapper):
 
 def make_native(model: str, lanes: int, threads: int | None = None) -> SolarArrayVectorEnv:
     """A native vector environment that has been reset."""
-    env: Any = gymnasium.make_vec(DEPLOY_V1, lanes, model=model, num_threads=threads).unwrapped
+    env: Any = gymnasium.make_vec(DEPLOY, lanes, version="v1", model=model, num_threads=threads).unwrapped
     env.reset(seed=0)
     return env
 

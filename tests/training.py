@@ -8,12 +8,13 @@ import numpy as np
 from agents.commands import train
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import UntunedWarning
+from agents.learning import training
 from agents.policies import shipped
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.shipped import UNITS, Description, ShippedPolicy
 from solar_env.commands.arguments import parse_arguments
 
-train.VALIDATIONS, train.EPISODES = 2, 2  # of every training in tests
+training.VALIDATIONS, training.EPISODES = 2, 2  # of every training in tests
 QUICK_RUN = ["--model", "rigid-ideal", "--timesteps", "192"]
 OFF_POLICY = [*QUICK_RUN, "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
 SMALL = {
@@ -34,7 +35,7 @@ def run(*arguments, compare=True):
             train.run_command(args)
         return Path(args.out or args.resume)
     config, folder = train.begin(args)
-    train.train(config, folder, args.timesteps, progress=False)
+    training.train(config, folder, args.timesteps, progress=False)
     return folder
 
 

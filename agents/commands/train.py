@@ -1,19 +1,8 @@
 """Command that trains a controller and compares it with laws: `solar-env train`, or `python train.py`."""
 
-import io
-import json
-import zipfile
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
-
-import torch
-from sb3_contrib import ARS, TQC
-from stable_baselines3 import PPO, SAC, TD3
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.callbacks import BaseCallback, EvalCallback
-from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from agents.commands.arguments import ModelOptions
 from agents.comparison.evaluation import evaluate
@@ -21,18 +10,15 @@ from agents.comparison.figures import learning_curve_figure
 from agents.comparison.report import write_comparison
 from agents.environments import episode_seeds
 from agents.learning import runs
-from agents.learning.vec_env import FixedSeeds, NativeVecEnv
-from agents.learning.weight_search import CMAES
+from agents.learning.training import ALGORITHMS, make_model, train
+from agents.learning.vec_env import NativeVecEnv
 from solar_env.commands.arguments import Assignments, CommandRecord, WorkerOptions
 from solar_env.environment.registration import DEPLOY
-from solar_env.support.files import write_bytes
 from solar_env.support.interruption import keeping
 from solar_env.support.progress import print_markdown
 from solar_env.support.versions import versions
 
-ALGORITHMS: dict[str, Any] = {"ppo": PPO, "sac": SAC, "td3": TD3, "tqc": TQC, "ars": ARS, "cma-es": CMAES}
 LAWS = ("passive", "pd", "servo")
-VALIDATIONS, EPISODES = 15, 8
 
 
 @dataclass
@@ -60,20 +46,6 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
     """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>"""
     eval_episodes: int = 20
     """held-out episodes of the comparison with the laws"""
-
-
-class Keep(BaseCallback):
-    """Writes the model to a file whenever another callback calls this one."""
-
-    def __init__(self, path: Path) -> None:
-        super().__init__()
-        self._path = path
-
-    def _on_step(self) -> bool:
-        file = io.BytesIO()  # written to memory first: the model is there whole or not at all
-        self.model.save(file)
-        write_bytes(self._path, file.getvalue())
-        return True
 
 
 def run_command(args: Args) -> int:
@@ -110,42 +82,3 @@ def configuration(args: Args) -> runs.Configuration:
     usual = {"n_steps": max(2048 // max(args.n_envs, 1), 1)} if args.algo == "ppo" else {}
     asked = args.algo, args.env_id, args.keywords(), args.seed, args.n_envs, args.timesteps, usual | args.hyperparams
     return runs.Configuration(*asked, args.command, versions(*runs.LIBRARIES))
-
-
-def make_model(config: runs.Configuration, env: VecEnv, **keywords: Any) -> BaseAlgorithm:
-    """A fresh model; a ValueError says where the algorithm refuses its hyperparameters."""
-    seed = episode_seeds("training", config.seed, 1)[0]
-    try:
-        given = {"seed": seed, "device": "cpu", **keywords, **config.hyperparameters}
-        return ALGORITHMS[config.algo]("MlpPolicy", env, **given)
-    except Exception as error:  # of values that nobody has thought of the libraries may raise anything
-        reason = " ".join(str(error).split())[:300] or type(error).__name__
-        raise ValueError(f"{config.algo} refuses {config.hyperparameters} ({reason}); change --hyperparams") from error
-
-
-def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bool = True) -> None:
-    """Train to a number of steps in all, from the last validation of the folder where there is one."""
-    torch.set_num_threads(1)  # small networks: more threads only contend
-    first = episode_seeds("validation", config.seed, 1)[0]
-    env = VecMonitor(NativeVecEnv(config.n_envs, config.env_id, config.env_kwargs))
-    judged = VecMonitor(FixedSeeds(NativeVecEnv(EPISODES, config.env_id, config.env_kwargs), first))
-    with closing(env), closing(judged):
-        model = make_model(config, env, tensorboard_log=str(folder))
-        every = max(timesteps // (VALIDATIONS * config.n_envs), 1)
-        keep = Keep(folder / runs.BEST), Keep(folder / runs.LAST)
-        validation = EvalCallback(judged, *keep, EPISODES, every, str(folder), verbose=0)
-        done = go_on(model, validation, folder) if (folder / runs.LAST).is_file() else 0
-        model.learn(max(timesteps - done, 0), validation, reset_num_timesteps=not done, progress_bar=progress)
-
-
-def go_on(model: BaseAlgorithm, validation: EvalCallback, folder: Path) -> int:
-    """Take over what a run's last validation has left; return the steps until then. A replay buffer begins anew."""
-    model.set_parameters(str(folder / runs.LAST), device="cpu")
-    with zipfile.ZipFile(folder / runs.LAST) as file:
-        model.num_timesteps = json.loads(file.read("data"))["num_timesteps"]
-    history = runs.read_evaluations(folder)
-    validation.evaluations_timesteps = history["timesteps"].tolist()
-    validation.evaluations_results = history["results"].tolist()
-    validation.evaluations_length = history["ep_lengths"].tolist()
-    validation.best_mean_reward = history["results"].mean(axis=1).max()
-    return model.num_timesteps

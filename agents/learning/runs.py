@@ -28,7 +28,7 @@ class Configuration:
     """Complete settings of a training run, from which it follows.
 
     Attributes:
-        algo: Name of the algorithm, one of `agents.commands.train.ALGORITHMS`.
+        algo: Name of the algorithm, one of `agents.learning.training.ALGORITHMS`.
         env_id: Environment id.
         env_kwargs: Environment keywords, with the ranges to randomise.
         seed: Run seed; networks, exploration and episodes follow from it.

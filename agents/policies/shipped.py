@@ -35,7 +35,7 @@ class Description:
     """Content of `policy.json`: all of a trained policy but the network's arrays.
 
     Attributes:
-        algorithm: Name in `agents.commands.train.ALGORITHMS`.
+        algorithm: Name in `agents.learning.training.ALGORITHMS`.
         observation_limit, activation, output, mean_limit: See `PolicyNetwork`.
         training_steps: Environment steps of its training, with those of the runs that it was resumed from.
         env_id: Environment that it was trained on.

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from agents.commands.train import ALGORITHMS, train
 from agents.comparison.evaluation import evaluate
 from agents.comparison.figures import Curve, learning_curves_figure
 from agents.environments import RIGID
 from agents.learning import runs
+from agents.learning.training import ALGORITHMS, train
 from solar_env.commands.study import Args
 from solar_env.environment.registration import DEPLOY
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table

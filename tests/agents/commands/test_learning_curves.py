@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-import training
 
 from agents.commands.studies import learning
+from agents.learning import training
 from solar_env.__main__ import execute
 from solar_env.studies.common.tables import read_table
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:no parameters of .* have been tu
 def test_every_agent_has_a_curve_of_every_seed_beside_the_laws(tmp_path, monkeypatch):
     monkeypatch.setattr(learning, "SEEDS", (3, 7))
     monkeypatch.setattr(learning, "EPISODES", 1)
-    monkeypatch.setattr(training.train, "EPISODES", 2)
+    monkeypatch.setattr(training, "EPISODES", 2)
     monkeypatch.setattr(learning, "RIGID", {"model": "rigid-ideal"})
     monkeypatch.setitem(learning.LENGTHS, "cma-es", (200, 4))
     words = ["learning", "--only", "cma-es", "--jobs", "1", "--quiet", "--out", str(tmp_path)]

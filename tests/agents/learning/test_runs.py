@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from training import QUICK_RUN, SMALL, run
 
-from agents.commands.train import ALGORITHMS
 from agents.comparison.evaluation import common_environment, evaluate
 from agents.learning import runs
+from agents.learning.training import ALGORITHMS
 from solar_env.environment.registration import DEPLOY
 
 pytestmark = pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")

@@ -167,18 +167,17 @@ def test_the_opening_sentence_of_the_page_is_what_its_table_says():
     opening = page.split(" a question ")[1].split(" `solar-env ladder` asks")[0]
     answers = read_answers()
     told = {
-        "peak-force": "7.9",
-        "impulse": "0.088",
+        "peak-force": "8.3",
+        "impulse": "0.099",
         "controller-ranking": "5",
-        "tip-motion": "0.048",
-        "latch-time": "0.00079",
+        "tip-motion": "0.029",
+        "latch-time": "0.00049",
     }
     for question, percent in told.items():
         assert f"{percent} %" in opening
         assert cheapest(answers, question, float(percent) / 100.0).level == "flexible-clearance"
-    one, modes = (cheapest(answers, "controller-ranking", tolerance) for tolerance in (0.15, 0.05))
-    assert one.level == "flexible-clearance:1 element"
-    assert one.cost_ratio / modes.cost_ratio == pytest.approx(0.6, abs=0.05), "six tenths of its cost"
-    for question, percent in (("tip-motion", "7.6"), ("latch-time", "0.11")):
+    costs = {answer.level: answer.cost_ratio for answer in answers if answer.question == "controller-ranking"}
+    assert costs["flexible-clearance"] < costs["flexible-clearance:1 element"], "cheaper than one element"
+    for question, percent in (("tip-motion", "7.7"), ("latch-time", "0.11")):
         assert f"{percent} %" in opening
         assert cheapest(answers, question, float(percent) / 100.0).level == "rigid-ideal"

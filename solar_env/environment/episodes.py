@@ -247,10 +247,6 @@ class Episodes:
         }
         return {**figures, "v1_return": v1_return(figures)}
 
-    def draw_from(self, lane: int, generator: np.random.Generator) -> None:
-        """Let a generator draw the noise of a lane's sensors from now on."""
-        self._sensors.draw_from(lane, generator)
-
     def close(self) -> None:
         """End the threads."""
         if self._batch is not None:

@@ -205,11 +205,6 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         """Draw every lane's present state; (540, 960, 3) uint8 each."""
         return tuple(self.episodes.render(lane) for lane in range(self.num_envs))
 
-    def draw_from(self, lane: int, generator: np.random.Generator) -> None:
-        """Let a generator draw a lane's next episodes and its sensors' noise, from now on."""
-        self._generators[lane] = generator
-        self.episodes.draw_from(lane, generator)
-
     def close_extras(self, **kwargs: object) -> None:
         """End the threads."""
         self.episodes.close()

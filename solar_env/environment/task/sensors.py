@@ -126,11 +126,6 @@ class Sensors:
             mine[lane] = theirs
         self._generators[lane] = deepcopy(memory.generator)
 
-    def draw_from(self, lane: int, generator: np.random.Generator) -> None:
-        """Let a generator draw the noise of a lane from now on; ideal sensors have none."""
-        if self._generators[lane] is not None:
-            self._generators[lane] = generator
-
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
         """(k, measured) exact values with noise and in steps of the encoder."""
         measured = self.exact[lanes]

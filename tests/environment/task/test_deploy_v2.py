@@ -117,8 +117,6 @@ def test_a_saved_episode_goes_on_with_the_memory_of_its_drive():
     for _ in range(5):
         envs.step(np.array([[-0.6], [0.3]], np.float32))
     envs.unwrapped.lane(1).restore_episode(envs.unwrapped.lane(0).save_episode())
-    envs.unwrapped.draw_from(1, np.random.default_rng(3))
-    envs.unwrapped.draw_from(0, np.random.default_rng(3))
     for _ in range(5):
         observed, *_ = envs.step(np.full((2, 1), 0.4, np.float32))
     assert_same(observed[0], observed[1])

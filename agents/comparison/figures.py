@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib import rc_context
@@ -15,7 +16,7 @@ from agents.rollout import Step
 from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, look_of
 from solar_env.support.files import save_figure
 
-Curve = tuple[np.ndarray, np.ndarray]
+Curve = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Of a training run: environment steps and mean validation return (validations,)."""
 
 
@@ -80,37 +81,45 @@ def comparison_figure(summary: Summary, path: Path) -> None:
     save_figure(figure, path, dpi=130)
 
 
-@rc_context(STYLE)
-def learning_curves_figure(
-    curves: Mapping[str, Sequence[Curve]], laws: Mapping[str, float], title: str, path: Path
-) -> None:
-    """Draw validation returns over environment steps: medians over training seeds, and their range.
+class Panel(NamedTuple):
+    """Learning curves of a scene: by algorithm, of each seed the steps, seconds and returns, and returns by law."""
 
-    `curves` maps algorithms to the curves of the seeds, which are drawn as far as all of them go; `laws` maps laws to
-    their returns.
+    curves: dict[str, list[Curve]]
+    laws: dict[str, float]
+
+
+@rc_context(STYLE)
+def learning_curves_figure(panels: Mapping[str, Panel], path: Path) -> None:
+    """Draw validation returns by scene, over steps and over seconds: medians over training seeds, and their range.
+
+    Curves are drawn as far as those of all seeds go.
     """
-    figure = Figure(figsize=(6.5, 4.0), layout="constrained")
-    axes, last = figure.subplots(), {}
-    for algo, of_agent in curves.items():
-        steps, returns = _over_common_steps(of_agent)
-        color = look_of(algo, CONTROLLER_LOOKS)["color"]
-        axes.plot(steps, np.median(returns, axis=0), color=color, label=f"{algo}, {len(returns)} seeds")
-        axes.fill_between(steps, returns.max(axis=0), returns.min(axis=0), color=color, alpha=0.15, lw=0)
-        last[algo] = np.median(returns[:, -1])
-    for name, mean in laws.items():
-        axes.axhline(mean, color=look_of(name, CONTROLLER_LOOKS)["color"], linestyle=":", label=name)
-    lowest = min([*laws.values(), *(np.median(of[0][1]) for of in curves.values())])
-    axes.set(ylim=(lowest - 1.0, None), xlabel="environment steps", ylabel="return in validation", title=title)
-    axes.legend()
-    figure.suptitle(f"Best at the end: {max(last, key=last.__getitem__)}")
+    figure = Figure(figsize=(max(4.2 * len(panels), 6.5), 6.5), layout="constrained")
+    axes, best = figure.subplots(2, len(panels), squeeze=False), {}
+    for column, (scene, panel) in enumerate(panels.items()):
+        last = {}
+        for row, label in enumerate(("environment steps", "seconds of a core")):
+            for algo, of_agent in panel.curves.items():
+                at, returns = _over_common([(run[row], run[-1]) for run in of_agent])
+                color, middle = look_of(algo, CONTROLLER_LOOKS)["color"], np.median(returns, axis=0)
+                axes[row, column].plot(at, middle, color=color, label=f"{algo}, {len(returns)} seeds")
+                axes[row, column].fill_between(at, *np.quantile(returns, (0, 1), axis=0), color=color, alpha=0.15, lw=0)
+                last[algo] = middle[-1]
+            for name, mean in panel.laws.items():
+                axes[row, column].axhline(mean, color=look_of(name, CONTROLLER_LOOKS)["color"], ls=":", label=name)
+            axes[row, column].set(ylim=(-3.0, 0.0), xscale="log", xlabel=label, ylabel="return in validation")
+        axes[0, column].set_title(scene)
+        best[scene] = max(last, key=last.__getitem__)
+    axes[0, 0].legend()
+    figure.suptitle("Best at the end: " + ", ".join(f"{algo} ({scene})" for scene, algo in best.items()))
     save_figure(figure, path, dpi=130)
 
 
-def _over_common_steps(of_agent: Sequence[Curve]) -> tuple[np.ndarray, np.ndarray]:
-    """Steps of all runs up to the first end of one (n,), and the returns at these, linear in between (runs, n)."""
-    steps = np.unique(np.concatenate([steps for steps, _ in of_agent]))
-    steps = steps[steps <= min(run_steps[-1] for run_steps, _ in of_agent)]
-    return steps, np.array([np.interp(steps, *run) for run in of_agent])
+def _over_common(of_agent: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Abscissas of all runs up to the first end of one (n,), and the values at these, linear between (runs, n)."""
+    at = np.unique(np.concatenate([run for run, _ in of_agent]))
+    at = at[at <= min(run[-1] for run, _ in of_agent)]
+    return at, np.array([np.interp(at, *run) for run in of_agent])
 
 
 @rc_context(STYLE)

@@ -48,10 +48,11 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     positive, for 0.098 (1 + 0.05 u) rad/s. An action of 0 deploys the array unhurriedly: 0.098 rad/s opens the hinge in
     0.8 of the deadline. An action of -1 slows it down to a ninetieth of that.
 
-    A loop holds that rate. 20 times a second the motor's torque becomes 25 N m s/rad times the error of the rate, less
-    the torque that the springs exert by their parameters before anything is drawn; it stays within the limit and passes
-    a low-pass filter of 0.1 s. The setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes the loop;
-    four panels and more need a greater `rate_loop_gain`. After the last latching the drive alone brings the array to
+    A loop holds that rate. 20 times a second the motor's torque becomes 25 N m s/rad times the error of the rate, with
+    flexible panels, which that would shake, 100 times a second 12 N m s/rad times the error; less the torque that the
+    springs exert by their parameters before anything is drawn. It stays within the limit and passes a low-pass filter
+    of 0.1 s. The setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes the loop; four panels and
+    more need a greater `rate_loop_gain`. After the last latching the drive alone brings the array to
     rest: it asks for a rate of 0, and the step in which the array latches lasts until the episode ends.
 
     With `action="torque"` an action is the motor's torque in units of the limit, positive opens; with `action="rate"`

@@ -14,7 +14,7 @@ from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
 from solar_env.environment.task.drive import task_numbers
 from solar_env.environment.task.periods import hold_lanes, make_periods, observe_lanes
-from solar_env.environment.task.reward import v1_return
+from solar_env.environment.task.reward import Told, v1_return
 from solar_env.environment.task.sensors import Memory
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
@@ -59,9 +59,10 @@ class Episodes:
         lanes = len(designs)
         self._sensors = settings.sensors(lanes)
         self._numbers = task_numbers(settings.task, settings.devices, settings.array)
-        self._periods = make_periods(lanes, self._numbers, len(settings.terms.names), self._sensors.exact)
+        self._periods = make_periods(lanes, self._numbers, settings.terms.rows.size, self._sensors.exact)
         self.observations, self.terminated = self._sensors.observed, self._periods.terminated
-        self.terms, self.rewards = self._periods.terms, self._periods.rewards
+        self.rewards, own = self._periods.rewards, settings.terms.function is not None
+        self.terms = self.rewards[:, np.newaxis] if own else self._periods.terms
         self._batch: Batch | None = None
         self._films = [Film(settings) for _ in range(lanes)]
         self._threads, self._busy = threads, False
@@ -150,6 +151,7 @@ class Episodes:
         batch, sensors, periods = self.batch, self._sensors, self._periods
         periods.actions[:] = actions
         sensors.draw_rate_errors(lanes, periods.rate_errors)
+        before = self._told(lanes) if self.settings.terms.function else {}
         failures = batch.run(
             hold_lanes, lanes, batch.address, self._numbers, sensors.channels, self.settings.terms.rows, periods
         )
@@ -158,11 +160,18 @@ class Episodes:
             failed = list(failures)
             self.terms[failed], self.rewards[failed] = 0.0, 0.0
             lanes = np.setdiff1d(lanes, failed)
+        for lane, now in (self._told(lanes) if before else {}).items():
+            self.rewards[lane] = self.settings.terms.own(before[lane], now)
         sensors.measure(lanes)
         if self.settings.render_mode:
             for lane in lanes:
                 self._films[lane].add(batch.simulations[lane].state)
         return failures
+
+    def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
+        """What a function of the reward is told of some lanes now."""
+        times, told = self.times.tolist(), self.settings.terms.told
+        return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 
     def save(self, lane: int) -> SavedEpisode:
         """The present episode of a lane, to be gone on with later, in any lane of episodes with the same settings."""

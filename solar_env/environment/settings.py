@@ -15,7 +15,7 @@ from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.drive import spring_load
 from solar_env.environment.task.observations import Entry, Names, observation_entries
-from solar_env.environment.task.reward import Reward
+from solar_env.environment.task.reward import Reward, RewardFunction
 from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS, Task
 from solar_env.mechanics.integrators.settings import Integrator
@@ -44,7 +44,7 @@ class EnvironmentSettings:
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
             of the four in a list stands for all that it has.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound", which changes the
-            version's prices.
+            version's prices; or a function in their place, see `solar_env.environment.task.reward.RewardFunction`.
         scenario: "nominal" or "randomised"; the two keywords that follow change it.
         randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
             joint where the parameter is by joint, and there each bound may be one by joint.
@@ -66,7 +66,7 @@ class EnvironmentSettings:
     driven_joint: int = Task.driven_joint
     action: str | None = None
     observation: str | Names | None = None
-    reward: Changes | None = None
+    reward: Changes | RewardFunction | None = None
     scenario: str = "nominal"
     randomize: Ranges | None = None
     hardware: Hardware | Changes | None = None
@@ -134,7 +134,9 @@ class EnvironmentSettings:
         """Sensors and motor."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
-        usual = changed("hardware", SCENARIOS[self.scenario].hardware, VERSIONS[self.version].hardware)
+        version = VERSIONS[self.version]
+        of_version = {**version.hardware, **({} if self.level.flexible else version.rigid_hardware)}
+        usual = changed("hardware", SCENARIOS[self.scenario].hardware, of_version)
         return changed("hardware", usual, self.hardware or {})
 
     @cached_property

@@ -25,13 +25,13 @@ def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():
     """One update of a policy's gradient on 8 arrays, landings and automatic resets included."""
     import torch
 
-    envs = gymnasium.make_vec(DEPLOY_V1, num_envs=8, model="rigid-ideal")
+    envs = gymnasium.make_vec(DEPLOY, num_envs=8, model="rigid-ideal")
     torch.manual_seed(0)
     actor = torch.nn.Linear(int(np.prod(envs.single_observation_space.shape)), 1)
     optimizer = torch.optim.Adam(actor.parameters(), lr=1e-2)
     observations, _ = envs.reset(seed=0)
     logs, rewards = [], []
-    for _ in range(200):
+    for _ in range(80):
         distribution = torch.distributions.Normal(actor(torch.as_tensor(observations)), 0.3)
         actions = distribution.sample()
         observations, reward, _, _, _ = envs.step(actions.clamp(-1.0, 1.0).numpy())
@@ -85,7 +85,7 @@ def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
 @pytest.mark.filterwarnings("ignore")
 def test_torchrl_collects_a_rollout():
     torchrl = pytest.importorskip("torchrl.envs")
-    env = gymnasium.make(DEPLOY_V1, **SHORT)
+    env = gymnasium.make(DEPLOY, **SHORT)
     rollout = torchrl.GymWrapper(env).rollout(20)
     assert rollout["next", "reward"].shape == (20, 1)
     assert rollout["observation"].shape == (20, *env.observation_space.shape)
@@ -96,8 +96,8 @@ def test_torchrl_collects_a_rollout():
 def test_rllib_trains_an_iteration():
     ray = pytest.importorskip("ray")
     ppo = pytest.importorskip("ray.rllib.algorithms.ppo")
-    ray.tune.register_env(DEPLOY_V1, lambda keywords: gymnasium.make(DEPLOY_V1, **keywords))
-    config = ppo.PPOConfig().environment(DEPLOY_V1, env_config=SHORT).env_runners(num_env_runners=0)
+    ray.tune.register_env(DEPLOY, lambda keywords: gymnasium.make(DEPLOY, **keywords))
+    config = ppo.PPOConfig().environment(DEPLOY, env_config=SHORT).env_runners(num_env_runners=0)
     config = config.training(train_batch_size_per_learner=300, minibatch_size=100, num_epochs=1).debugging(seed=0)
     ray.init(num_cpus=1, include_dashboard=False)
     try:

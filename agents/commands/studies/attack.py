@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
+from agents.environments import episode_seeds, make_vector_env, with_sampling
 from agents.learning import runs
 from solar_env.commands.study import Args
 from solar_env.environment.episodes import Info
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.task import Task
 from solar_env.support.minimisation import minimise
 
@@ -70,8 +71,8 @@ def run(args: Args) -> int:
     """Search torque profiles with chattering that the reward pays best, by CMA-ES, from the passive deployment."""
     folder, _ = args.folders("attack-on-reward")
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
-    keywords = {**with_sampling(KEYWORDS), "autoreset_mode": AutoresetMode.DISABLED}
-    with closing(make_vector_env(lanes, DEFAULT_ENV_ID, keywords)) as env:
+    keywords = {**with_sampling(KEYWORDS, DEPLOY), "autoreset_mode": AutoresetMode.DISABLED}
+    with closing(make_vector_env(lanes, DEPLOY, keywords)) as env:
         used = 0
 
         def costs(points: Sequence[np.ndarray]) -> list[float]:

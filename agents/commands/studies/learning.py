@@ -1,6 +1,7 @@
 """`solar-env study learning`: learning curves of stock agents and of a search, over several seeds, beside laws."""
 
 import math
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,14 +9,15 @@ import numpy as np
 from rich.console import Console
 
 from agents.comparison.evaluation import evaluate
-from agents.comparison.figures import Curve, learning_curves_figure
-from agents.environments import RIGID
+from agents.comparison.figures import Panel, learning_curves_figure
+from agents.environments import MODEL, RIGID, Keywords
 from agents.learning import runs
-from agents.learning.training import ALGORITHMS, train
+from agents.learning.training import train
 from solar_env.commands.study import Args
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY, DEPLOY_RANDOMISED
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
 from solar_env.support.campaigns import each_done
+from solar_env.support.plain_arrays import read_json
 from solar_env.support.progress import counting_bar
 
 OPTIONS = ("only", "quick", "draw", "out", "readme", "jobs")
@@ -23,35 +25,42 @@ LAWS = ("pd", "soft-start", "servo")
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 FIGURES = Path(__file__).parents[2] / "figures"  # for the page agents/learning/README.md
 SEEDS = (0, 1, 2, 3, 4)
-# Steps of an environment that a quarter of an hour of a core is enough for, and environments stepped together.
-LENGTHS = {"ppo": (150_000, 1), "sac": (30_000, 1), "td3": (30_000, 1), "tqc": (30_000, 1), "ars": (150_000, 1)}
-LENGTHS["cma-es"] = (150_000, 16)
+# Environments by scene, and of each algorithm the steps and the environments stepped together: a quarter of an hour of
+# a core with rigid panels, an hour with flexible ones.
+SCENES: dict[str, tuple[str, Keywords]] = {
+    "rigid": (DEPLOY, dict(RIGID)),
+    "rigid-randomised": (DEPLOY_RANDOMISED, dict(RIGID)),
+    "flexible": (DEPLOY, dict(MODEL)),
+    "flexible-randomised": (DEPLOY_RANDOMISED, dict(MODEL)),
+}
+LENGTHS = {"ppo": (100_000, 1), "sac": (30_000, 1), "tqc": (30_000, 1), "ars": (150_000, 1), "cma-es": (150_000, 16)}
+CASES = {f"{algo}-{scene}": (algo, scene) for algo in LENGTHS for scene in SCENES}
 QUICK_TIMESTEPS = 4096  # of one seed
 EPISODES = 20  # of a law
+PACE = "seconds_per_step.json"  # of a run folder
 
 
 def run(args: Args) -> int:
-    """Train agents over five seeds and draw their learning curves; finished runs are not trained again."""
-    algorithms = args.parts(sorted(ALGORITHMS))
+    """Train agents over five seeds and draw all learning curves; finished runs are not trained again."""
+    cases = args.parts(list(CASES))
     out, figures = args.folders("learning", figures=FIGURES)
     if not args.draw:
-        rows = list(_measured(args, algorithms, out))
-        write_table(figures / TABLE, rows, provenance(args.command))
-    curves, laws = drawn(read_table(figures / TABLE))
-    learning_curves_figure(curves, laws, f"nominal, {RIGID['model']}", figures / FIGURE)
+        _train_missing(args, cases, out)
+        write_table(figures / TABLE, list(_rows(args, out)), provenance(args.command))
+    learning_curves_figure(panels(read_table(figures / TABLE)), figures / FIGURE)
     print(f"written to {figures}")
     return 0
 
 
-def _measured(args: Args, algorithms: list[str], out: Path) -> Iterator[Row]:
-    """Train what is missing; yield a row for each validation of each run, and one without steps for each law."""
+def _train_missing(args: Args, cases: list[str], out: Path) -> None:
     wanted: dict[Path, runs.Configuration] = {}
-    for algo in algorithms:
-        timesteps, lanes = LENGTHS[algo]
+    for case in cases:
+        algo, scene = CASES[case]
+        (timesteps, lanes), (env_id, keywords) = LENGTHS[algo], SCENES[scene]
         for seed in (0,) if args.quick else SEEDS:
             steps = QUICK_TIMESTEPS if args.quick else timesteps
-            config = runs.Configuration(algo, DEPLOY, dict(RIGID), seed, lanes, steps, {}, args.command)
-            wanted[out / f"{algo}-{seed}"] = config
+            config = runs.Configuration(algo, env_id, keywords, seed, lanes, steps, {}, args.command)
+            wanted[out / f"{case}-{seed}"] = config
     missing = [folder for folder, config in wanted.items() if _steps(folder) < config.timesteps]
     for folder in missing:
         if not (folder / runs.CONFIG).is_file():
@@ -60,19 +69,13 @@ def _measured(args: Args, algorithms: list[str], out: Path) -> Iterator[Row]:
         task = bar.add_task("runs", total=len(wanted), completed=len(wanted) - len(missing))
         for _ in each_done(_train, missing, args.workers):
             bar.advance(task)
-    for folder, config in wanted.items():
-        history = runs.read_evaluations(folder)
-        for steps, value in zip(history["timesteps"], history["results"].mean(axis=1), strict=True):
-            yield {"controller": config.algo, "seed": config.seed, "steps": int(steps), "return": float(value)}
-    rows = evaluate(LAWS, EPISODES, 0, DEPLOY, RIGID, not args.quiet, args.workers)
-    for law in LAWS:
-        mean = np.mean([row["return"] for row in rows if row["controller"] == law])
-        yield {"controller": law, "seed": math.nan, "steps": math.nan, "return": float(mean)}
 
 
 def _train(folder: Path) -> None:
-    config = runs.read_config(folder)
+    """Train what is missing of a run, and note how long a step takes a core."""
+    config, done, began = runs.read_config(folder), _steps(folder), time.process_time()
     train(config, folder, config.timesteps, progress=False)
+    runs.write_json(folder / PACE, (time.process_time() - began) / (config.timesteps - done))
 
 
 def _steps(folder: Path) -> int:
@@ -80,15 +83,35 @@ def _steps(folder: Path) -> int:
     return int(runs.read_evaluations(folder)["timesteps"][-1]) if (folder / runs.EVALUATIONS).is_file() else 0
 
 
-def drawn(table: Table) -> tuple[dict[str, list[Curve]], dict[str, float]]:
-    """Read curves by algorithm, one for each seed, and returns by law, as `learning_curves_figure` takes them."""
-    curves: dict[str, list[Curve]] = {}
-    laws: dict[str, float] = {}
-    for controller in map(str, table.values("controller")):
-        validations = table.where(controller=controller)
-        if controller in LAWS:
-            (laws[controller],) = validations.column("return")
-            continue
-        runs_of_agent = [validations.where(seed=seed) for seed in validations.values("seed")]
-        curves[controller] = [(run.column("steps"), run.column("return")) for run in runs_of_agent]
-    return curves, laws
+def _rows(args: Args, out: Path) -> Iterator[Row]:
+    """Yield a row for each validation of each run that there is, and one without steps for each law."""
+    for scene, (env_id, keywords) in SCENES.items():
+        folders = [(algo, seed, out / f"{algo}-{scene}-{seed}") for algo in LENGTHS for seed in SEEDS]
+        trained = [(algo, seed, folder) for algo, seed, folder in folders if (folder / PACE).is_file()]
+        for algo, seed, folder in trained:
+            history, pace = runs.read_evaluations(folder), read_json(folder / PACE)
+            for steps, value in zip(history["timesteps"].tolist(), history["results"].mean(axis=1), strict=True):
+                of_run = {"scene": scene, "controller": algo, "seed": seed}
+                yield {**of_run, "steps": steps, "seconds": pace * steps, "return": float(value)}
+        rows = evaluate(LAWS, EPISODES, 0, env_id, keywords, not args.quiet, args.workers) if trained else []
+        for law in LAWS if trained else ():
+            mean = float(np.mean([row["return"] for row in rows if row["controller"] == law]))
+            nothing = dict.fromkeys(("seed", "steps", "seconds"), math.nan)
+            yield {"scene": scene, "controller": law, **nothing, "return": mean}
+
+
+def panels(table: Table) -> dict[str, Panel]:
+    """Read, for each scene, curves by algorithm, one for each seed, and returns by law."""
+    found = {}
+    for scene in map(str, table.values("scene")):
+        of_scene = table.where(scene=scene)
+        panel = found[scene] = Panel({}, {})
+        for controller in map(str, of_scene.values("controller")):
+            validations = of_scene.where(controller=controller)
+            if controller in LAWS:
+                (panel.laws[controller],) = validations.column("return")
+                continue
+            of_agent = [validations.where(seed=seed) for seed in validations.values("seed")]
+            names = ("steps", "seconds", "return")
+            panel.curves[controller] = [tuple(run.column(name) for name in names) for run in of_agent]
+    return found

@@ -2,11 +2,12 @@
 
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solar_env.array.parameters.checks import Rule, check_rows, number
 from solar_env.environment.task.control import last_latch, missed_deadline
@@ -115,27 +116,43 @@ _PRICE = [*((name, "i8") for name in _CODES), *((name, "f8") for name in _NUMBER
 price_type = np.dtype((np.record, np.dtype(_PRICE, align=True)))
 
 
+Told = Mapping[str, float]
+"""The figures of all terms so far, by name and in their units, and "time_s"."""
+RewardFunction = Callable[[Told, Told], float]
+"""A reward of one's own: of what is told before a step, and after it."""
+OWN = "own"  # name of its only term
+
+
 class Reward:
-    """The terms of an environment's reward: the prices of a version with some changed.
+    """The terms of an environment's reward: the prices of a version with some changed, or a function in their place.
 
     Args:
-        changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`.
+        changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`; or a function.
         version: of the task.
 
     Attributes:
         prices: by name, of all terms.
+        function: the function, if there is one; then all figures are kept for it.
         names: of the terms that are charged, whose weight is not zero, in the order of `REWARD_TERMS`.
-        rows: (names,) codes, growths and prices of these terms, of `price_type`, for the kernels.
+        rows: codes, growths and prices of the figures that are kept, of `price_type`, for the kernels.
 
     Raises:
         ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
             terms can together.
     """
 
-    def __init__(self, changes: Mapping[str, object] | None = None, version: Version = PRESENT) -> None:
+    def __init__(
+        self, changes: Mapping[str, object] | RewardFunction | None = None, version: Version = PRESENT
+    ) -> None:
+        self.function = changes if callable(changes) else None
+        if callable(changes):
+            self.prices = {term.name: Price(1.0, 1.0, sys.float_info.max) for term in REWARD_TERMS}
+            self.names: tuple[str, ...] = (OWN,)
+            self.rows = self._rows(REWARD_TERMS)
+            return
         self.prices = {term.name: Price(term.scale, 0.0) for term in REWARD_TERMS}
         if not isinstance(changes or {}, Mapping):
-            raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices")
+            raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices, or a function")
         for name, change in (*version.prices.items(), *(changes or {}).items()):
             if name not in self.prices:
                 raise ValueError(unknown_name("the term of the reward", name, self.prices))
@@ -146,9 +163,7 @@ class Reward:
             except ValueError as error:
                 raise ValueError(f"reward[{name!r}]: {error}") from error
         charged = [term for term in REWARD_TERMS if self.prices[term.name].weight > 0.0]
-        self.names = tuple(term.name for term in charged)
-        rows = [(term.code, term.growth, term.sign, *self.prices[term.name].row) for term in charged]
-        self.rows = np.array(rows, dtype=price_type)
+        self.names, self.rows = tuple(term.name for term in charged), self._rows(charged)
         missed = self.prices["missed_deadline"]
         cost = missed.weight * min(1.0 / missed.scale, missed.bound)
         others = sum(price.greatest for name, price in self.prices.items() if name not in _MISSED_TOO)
@@ -158,18 +173,36 @@ class Reward:
                 "together, or not deploying would pay: raise its weight, or lower weights or bounds of the others"
             )
 
+    def _rows(self, terms: Iterable[RewardTerm]) -> NDArray[np.void]:
+        rows = [(term.code, term.growth, term.sign, *self.prices[term.name].row) for term in terms]
+        return np.array(rows, dtype=price_type)
+
+    def told(self, time: float, account: NDArray[np.float64]) -> Told:
+        """What a function is told, from the time [s] and the account (terms, 2) of an episode."""
+        figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
+        return {"time_s": time, **figures}
+
+    def own(self, before: Told, after: Told) -> float:
+        """The reward of a step by the function; ValueError where that is no finite number."""
+        assert self.function is not None
+        value = float(self.function(before, after))
+        if not math.isfinite(value):
+            raise ValueError(f"the function of the reward returned {value} at {after['time_s']:g} s: mend it")
+        return value
+
+
+_OF_V1 = Reward(version=VERSIONS["v1"]).prices
+
 
 def v1_return(figures: Mapping[str, Any]) -> float:
     """The return of a deployment at the prices of v1, the yardstick of all pages, by its figures of `info`.
 
     One that is late costs what v1 charges at its deadline, but for the distance that was left.
     """
-    version = VERSIONS["v1"]
-    late = not figures["latched"] or max(figures["latch_times_s"]) > version.task.deadline
+    late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
     read = {"peak_impact": force, "wear": work, "missed_deadline": float(late)}
-    prices = Reward(version=version).prices
-    return -sum(p.weight * min(read[name] / p.scale, p.bound) for name, p in prices.items() if p.weight > 0.0)
+    return -sum(p.weight * min(read[name] / p.scale, p.bound) for name, p in _OF_V1.items() if p.weight > 0.0)
 
 
 @kernel

@@ -6,6 +6,7 @@ import pytest
 from agents.commands.studies import learning
 from agents.learning import training
 from solar_env.__main__ import execute
+from solar_env.environment.registration import DEPLOY
 from solar_env.studies.common.tables import read_table
 
 pytestmark = pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
@@ -15,16 +16,17 @@ def test_every_agent_has_a_curve_of_every_seed_beside_the_laws(tmp_path, monkeyp
     monkeypatch.setattr(learning, "SEEDS", (3, 7))
     monkeypatch.setattr(learning, "EPISODES", 1)
     monkeypatch.setattr(training, "EPISODES", 2)
-    monkeypatch.setattr(learning, "RIGID", {"model": "rigid-ideal"})
+    monkeypatch.setitem(learning.SCENES, "rigid", (DEPLOY, {"model": "rigid-ideal"}))
     monkeypatch.setitem(learning.LENGTHS, "cma-es", (200, 4))
-    words = ["learning", "--only", "cma-es", "--jobs", "1", "--quiet", "--out", str(tmp_path)]
+    words = ["learning", "--only", "cma-es-rigid", "--jobs", "1", "--quiet", "--out", str(tmp_path)]
     execute("study", words)
     table = read_table(tmp_path / learning.TABLE)
-    curves, laws = learning.drawn(table)
+    (curves, laws) = learning.panels(table)["rigid"]
     assert laws.keys() == set(learning.LAWS)
     assert table.where(controller="cma-es").values("seed") == (3, 7)
-    for seed, (steps, returns) in zip((3, 7), curves["cma-es"], strict=True):
-        with np.load(tmp_path / f"cma-es-{seed}" / "evaluations.npz") as history:
+    for seed, (steps, seconds, returns) in zip((3, 7), curves["cma-es"], strict=True):
+        assert (seconds / steps).tolist() == pytest.approx([seconds[0] / steps[0]] * len(steps), rel=1e-9)
+        with np.load(tmp_path / f"cma-es-rigid-{seed}" / "evaluations.npz") as history:
             assert steps.tolist() == history["timesteps"].tolist()
             assert returns == pytest.approx(history["results"].mean(axis=1), rel=1e-9)
     assert (tmp_path / learning.FIGURE).stat().st_size > 0

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from agents.comparison.figures import (
+    Panel,
     comparison_figure,
     deployments_figure,
     learning_curves_figure,
@@ -74,22 +75,26 @@ def test_a_comparison_has_no_panel_for_what_is_zero_whoever_controls(tmp_path, s
 
 
 def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_as_far_as_all_runs_go(tmp_path, saved_figures):
-    steps = np.array([0.0, 10.0])
-    longer = np.array([0.0, 5.0, 12.0]), np.array([-4.0, -1.0, -0.1])
+    steps, seconds = np.array([1.0, 10.0]), np.array([2.0, 20.0])
+    longer = np.array([1.0, 5.0, 12.0]), np.array([2.0, 10.0, 24.0]), np.array([-4.0, -1.0, -0.1])
     curves = {
-        "ppo": [(steps, np.array(returns)) for returns in ([-1.0, -0.5], [-2.0, -0.7], [-6.0, -0.1])],
-        "cma-es": [(steps, np.array([-4.0, -2.0])), longer],
+        "ppo": [(steps, seconds, np.array(returns)) for returns in ([-1.0, -0.5], [-2.0, -0.7], [-6.0, -0.1])],
+        "cma-es": [(steps, seconds, np.array([-4.0, -2.0])), longer],
     }
-    learning_curves_figure(curves, {"servo": -0.1}, "nominal", tmp_path / "figure.png")
-    (axes,) = saved_figures[0].axes
-    assert axes.get_title() == "nominal"
-    assert saved_figures[0].get_suptitle() == "Best at the end: ppo"
-    assert drawn(axes, "ppo, 3 seeds") == ([0.0, 10.0], [-2.0, -0.5])
-    second = -1.0 + 0.9 * 5.0 / 7.0
-    assert drawn(axes, "cma-es, 2 seeds") == ([0.0, 5.0, 10.0], pytest.approx([-4.0, -2.0, (-2.0 + second) / 2.0]))
+    learning_curves_figure({"rigid": Panel(curves, {"servo": -0.1})}, tmp_path / "figure.png")
+    axes, over_seconds = saved_figures[0].axes
+    assert axes.get_title() == "rigid"
+    assert saved_figures[0].get_suptitle() == "Best at the end: ppo (rigid)"
+    assert drawn(over_seconds, "ppo, 3 seeds") == ([2.0, 20.0], [-2.0, -0.5])
+    assert drawn(axes, "ppo, 3 seeds") == ([1.0, 10.0], [-2.0, -0.5])
+    first, second = -4.0 + 2.0 * 4.0 / 9.0, -1.0 + 0.9 * 5.0 / 7.0
+    assert drawn(axes, "cma-es, 2 seeds") == (
+        [1.0, 5.0, 10.0],
+        pytest.approx([-4.0, (first - 1.0) / 2.0, (-2.0 + second) / 2.0]),
+    )
     assert drawn(axes, "servo")[1] == [-0.1, -0.1]
     band = axes.collections[0].get_paths()[0].vertices
-    assert (band[band[:, 0] == 0.0, 1].min(), band[band[:, 0] == 0.0, 1].max()) == (-6.0, -1.0)
+    assert (band[band[:, 0] == 1.0, 1].min(), band[band[:, 0] == 1.0, 1].max()) == (-6.0, -1.0)
 
 
 def test_deployments_show_the_torque_that_acts_the_rates_the_forces_and_what_was_charged(tmp_path, saved_figures):

@@ -91,13 +91,18 @@ def _rows(args: Args, out: Path) -> Iterator[Row]:
         for algo, seed, folder in trained:
             history, pace = runs.read_evaluations(folder), read_json(folder / PACE)
             for steps, value in zip(history["timesteps"].tolist(), history["results"].mean(axis=1), strict=True):
-                of_run = {"scene": scene, "controller": algo, "seed": seed}
-                yield {**of_run, "steps": steps, "seconds": pace * steps, "return": float(value)}
+                yield _row(scene, algo, float(value), seed, steps, pace * steps)
         rows = evaluate(LAWS, EPISODES, 0, env_id, keywords, not args.quiet, args.workers) if trained else []
         for law in LAWS if trained else ():
             mean = float(np.mean([row["return"] for row in rows if row["controller"] == law]))
-            nothing = dict.fromkeys(("seed", "steps", "seconds"), math.nan)
-            yield {"scene": scene, "controller": law, **nothing, "return": mean}
+            yield _row(scene, law, mean)
+
+
+def _row(
+    scene: str, controller: str, value: float, seed: float = math.nan, steps: float = math.nan, time: float = math.nan
+) -> Row:
+    of_run: Row = {"scene": scene, "controller": controller, "seed": seed}
+    return {**of_run, "steps": steps, "seconds": time, "return": value}
 
 
 def panels(table: Table) -> dict[str, Panel]:
@@ -112,6 +117,7 @@ def panels(table: Table) -> dict[str, Panel]:
                 (panel.laws[controller],) = validations.column("return")
                 continue
             of_agent = [validations.where(seed=seed) for seed in validations.values("seed")]
-            names = ("steps", "seconds", "return")
-            panel.curves[controller] = [tuple(run.column(name) for name in names) for run in of_agent]
+            panel.curves[controller] = [
+                (run.column("steps"), run.column("seconds"), run.column("return")) for run in of_agent
+            ]
     return found

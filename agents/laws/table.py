@@ -4,13 +4,11 @@ from typing import Any
 
 from agents.laws.feedback import Passive, ProportionalDerivative, ViscousDamper
 from agents.laws.servo import SoftStartServo, VelocityProfileServo
-from agents.laws.shaped import InputShapedProfile
 from agents.torque_laws import TorqueLaw, TunableLaw
 
 TUNABLE: dict[str, type[TunableLaw[Any]]] = {
     "damper": ViscousDamper,
     "servo": VelocityProfileServo,
-    "shaped": InputShapedProfile,
     "soft-start": SoftStartServo,
     "pd": ProportionalDerivative,
 }

@@ -79,7 +79,6 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "passive": _look(GREY, "o", "--"),
     "damper": _look(GREEN, "^"),
     "servo": _look(BLUE, "s"),
-    "shaped": _look(SKY, "D"),
     "soft-start": _look(ORANGE, ">"),
     "pd": _look(CRIMSON, "d"),
     "receding-horizon": _look("black", "*"),

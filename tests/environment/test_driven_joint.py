@@ -10,7 +10,6 @@ import pytest
 
 from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.laws.servo import ServoParameters, VelocityProfileServo
-from agents.laws.shaped import InputShapedProfile
 from agents.torque_laws import Signals
 from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.task.observations import observation_entries
@@ -64,7 +63,6 @@ def test_futures_drive_the_same_joint(joint):
     [
         (ViscousDamper, DamperParameters(settling_damping=2.0)),
         (VelocityProfileServo, ServoParameters(settling_damping=2.0)),
-        (InputShapedProfile, None),
     ],
 )
 def test_a_law_damps_the_joint_that_it_drives_once_the_array_has_latched(law, parameters, joint):

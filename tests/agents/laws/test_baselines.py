@@ -15,7 +15,6 @@ from agents.laws.feedback import (
     ViscousDamper,
 )
 from agents.laws.servo import RESERVE, ServoParameters, SoftStartParameters, SoftStartServo, VelocityProfileServo
-from agents.laws.shaped import InputShapedProfile, ShapedProfileParameters
 from agents.laws.table import LAWS, TUNABLE
 from agents.rollout import run_episode
 from agents.torque_laws import Signals, weighted_opening
@@ -148,38 +147,6 @@ def test_damper_opposes_the_rate_of_joint_1_by_its_coefficient_of_the_phase():
     opening, latched = observe(0.5, 0.1), observe(1.0, 0.1, latched=1.0)
     assert damper.predict(opening)[0] == pytest.approx(-0.5 * 0.1 * np.pi / 2 / LIMIT, rel=1e-5)
     assert damper.predict(latched)[0] == pytest.approx(-2.0 * 0.1 * np.pi / 2 / LIMIT, rel=1e-5)
-
-
-def test_the_shaped_profile_goes_from_rest_to_the_latch_rate_and_its_rate_is_its_derivative():
-    p = ShapedProfileParameters(duration=10.0, latch_rate=0.02, vibration_period=2.0)
-    time = np.linspace(0.0, 15.0, 30_001)
-    opening, rate = InputShapedProfile(SIGNALS, p).reference(time)
-    assert (opening[0], rate[0]) == (0.0, 0.0)
-    assert rate[time > 11.0] == pytest.approx(0.02)
-    assert np.interp(11.5, time, opening) == pytest.approx(1.02), "late by a quarter of the period, on average"
-    assert np.gradient(opening, time) == pytest.approx(rate, abs=1e-4)
-
-
-def test_a_shaped_profile_leaves_a_vibration_of_its_period_at_rest():
-    """An undamped oscillator that is carried along with the profile."""
-
-    def swing_after(shaped_period):
-        period = 1.5
-        profile = InputShapedProfile(
-            SIGNALS, ShapedProfileParameters(duration=4.0, latch_rate=0.05, vibration_period=shaped_period)
-        )
-        w = 2.0 * np.pi / period
-
-        def slope(time, state):
-            opening, _ = profile.reference(np.asarray(time))
-            return [state[1], -w * w * (state[0] - opening)]
-
-        end = solve_ivp(slope, (0.0, 6.0), [0.0, 0.0], rtol=1e-9, atol=1e-12, max_step=0.02)
-        opening, rate = profile.reference(end.t)
-        deviation = np.hypot(end.y[0] - opening, (end.y[1] - rate) / w)
-        return deviation[end.t > 4.0 + period].max()
-
-    assert swing_after(1.5) < 1e-4 * swing_after(0.0)
 
 
 @pytest.mark.parametrize("name", TUNABLE)

@@ -8,11 +8,11 @@ import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
 from solar_env.array import RELEASE_RATE
-from solar_env.environment.registration import DEPLOY_V1
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
 
 NAMESPACE = "solar_env/"  # of the environment ids
-DEFAULT_ENV_ID = DEPLOY_V1
+DEFAULT_ENV_ID = DEPLOY
 Keywords = dict[str, Any]
 
 # Suites are judged on this model, whose peak forces have converged, and searches train on it. It is also the

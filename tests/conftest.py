@@ -99,13 +99,13 @@ def saved_figures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 @pytest.fixture
 def configs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder of configurations of its own, with a damper tuned for two of the models."""
-    from agents.environments import DEFAULT_ENV_ID
     from agents.laws import baselines
+    from solar_env.environment.registration import DEPLOY, DEPLOY_V1
 
     monkeypatch.setattr(baselines, "CONFIGS", tmp_path)
     dampings = {"rigid-clearance": 0.1, "flexible-clearance": 0.2}
     tuned = {model: {"parameters": {"damping": d, "settling_damping": 0.0}} for model, d in dampings.items()}
-    (tmp_path / "damper.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))
+    (tmp_path / "damper.json").write_text(json.dumps(dict.fromkeys((DEPLOY_V1, DEPLOY), tuned)))
     return tmp_path
 
 

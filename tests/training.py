@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from agents.commands import train
-from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import UntunedWarning
 from agents.learning import training
 from agents.policies import shipped
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.shipped import UNITS, Description, ShippedPolicy
 from solar_env.commands.arguments import parse_arguments
+from solar_env.environment.registration import DEPLOY_V1
 
 training.VALIDATIONS, training.EPISODES = 2, 2  # of every training in tests
 QUICK_RUN = ["--model", "rigid-ideal", "--timesteps", "192"]
@@ -41,7 +41,7 @@ def run(*arguments, compare=True):
 
 def write_policy(folder, output=None, **changes):
     """Write a policy with a layer of output, by default one that does nothing, and changes of its description."""
-    described = {"algorithm": "ppo", "training_steps": 0, "env_id": DEFAULT_ENV_ID, "env_kwargs": {}}
+    described = {"algorithm": "ppo", "training_steps": 0, "env_id": DEPLOY_V1, "env_kwargs": {}}
     described |= {"observation_limit": 1.0, "activation": "tanh", "output": "clip", "mean_limit": None}
     described |= {"observation_names": ("theta_1",), **dict.fromkeys(UNITS, 1.0), **changes}
     output = output or Layer(np.zeros((1, len(described["observation_names"])), np.float32), np.zeros(1, np.float32))

@@ -43,7 +43,7 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
     """folder (evaluation, or evaluation/SUITE) for episodes.csv, metrics.json, comparison.md and comparison.png, and
     for the finished episodes, with which an interrupted evaluation goes on"""
     env_id: str | None = None
-    """environment id; by default that of the suite, else of the trained controllers given, else solar_env/Deploy-v1"""
+    """environment id; by default that of the suite, else of the trained controllers given, else solar_env/Deploy-v2"""
 
 
 def run_command(args: Args) -> int:

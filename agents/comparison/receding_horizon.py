@@ -20,7 +20,7 @@ class SearchSettings:
         candidates: Number of rollouts of an iteration.
         elites: Number of the best of them, to which the next iteration's distribution is fitted.
         iterations: Number of iterations of the cross-entropy method at every replanning.
-        replan_every: Control periods from one replanning to the next.
+        replan_after: Time from one replanning to the next [s], in whole control periods.
         initial_deviation: Standard deviation of the knots in the first iteration, in units of the action.
         least_deviation: Bound below which it does not shrink.
     """
@@ -29,7 +29,7 @@ class SearchSettings:
     candidates: int = 24
     elites: int = 6
     iterations: int = 2
-    replan_every: int = 40
+    replan_after: float = 4.0
     initial_deviation: float = 0.01
     least_deviation: float = 0.001
 
@@ -41,7 +41,7 @@ class RecedingHorizon(DeterministicController):
 
     Candidates are actions linear over time on top of those of a base, a law or a policy, to the end of the episode, for
     the cost comes with latching and after it. They are searched by the cross-entropy method (R. Y. Rubinstein,
-    Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew every `replan_every` periods,
+    Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew after every `replan_after`,
     around the last plan. The rollouts start from the exact state, with the true parameters, the true motor, and the
     noise of the sensors that is to come.
 
@@ -84,7 +84,7 @@ class RecedingHorizon(DeterministicController):
             self.predicted_returns = []
         if period >= self._next_replanning:
             self._replan(period - self._start)
-            self._next_replanning = period + self._settings.replan_every
+            self._next_replanning = period + round(self._settings.replan_after / self._env.task.control_period)
         return np.full((1,) * np.ndim(observation), self._actions[period - self._start])
 
     def _replan(self, done: int) -> None:
@@ -118,7 +118,8 @@ class RecedingHorizon(DeterministicController):
         After the end of an episode that is shorter than others there are zeros.
         """
         task, count = self._env.task, len(residuals)
-        times = np.arange(knot_times[0], task.deadline + task.settling_window, task.control_period)
+        longest = task.deadline * (1.0 + task.overtime) + task.settling_window
+        times = np.arange(knot_times[0], longest, task.control_period)
         offsets = np.array([np.interp(times, knot_times, row) for row in residuals])
         actions, rewards = np.zeros(offsets.shape, dtype=np.float32), np.zeros(offsets.shape)
         lanes, k = np.arange(count), 0

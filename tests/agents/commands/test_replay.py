@@ -82,7 +82,7 @@ def test_a_film_shows_all_controllers_in_their_time(suffix, tmp_path):
     path, (width, speed) = tmp_path / f"film{suffix}", replay.FILMS[suffix]
     short = [*RIGID, "--env-kwargs", "deadline=0.9", "settling_window=0.3", "control_period=0.3"]
     assert main(["replay", "--controllers", "passive", "damper", *short, "--out", str(path)]) == 0
-    frames = round(0.9 / (speed / films.FRAMES_PER_SECOND))
+    frames = round(1.8 / (speed / films.FRAMES_PER_SECOND))
     if suffix == ".mp4":
         assert encoder.count_frames_and_secs(str(path)) == (frames, pytest.approx(0.1 * frames, abs=0.11))
         return

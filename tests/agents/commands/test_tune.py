@@ -8,7 +8,7 @@ import pytest
 from stable_baselines3.common.utils import set_random_seed
 
 from agents.commands import tune as tune_module
-from agents.environments import DEFAULT_ENV_ID, make_env
+from agents.environments import DEFAULT_ENV_ID, OF_LAWS, make_env
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from solar_env.__main__ import execute
@@ -111,12 +111,12 @@ def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judge
 )
 def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models(configs, options, model):
     before = json.loads((configs / "damper.json").read_text())[DEFAULT_ENV_ID]
-    short = ["--env-kwargs", "deadline=0.3", "settling_window=0.2", "--quiet"]
+    short = ["--env-kwargs", "deadline=0.3", "settling_window=0.5", "--quiet"]
     budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1", "--jobs", "1"]
     execute("tune", ["--controller", "damper", *options, *budget, *short])
     after = json.loads((configs / "damper.json").read_text())[DEFAULT_ENV_ID]
     written = after[model]
     assert written["tuning"]["training_episodes"] == 6
     assert after == {**before, model: written} != before
-    with make_env(env_kwargs={"model": model}) as made:
+    with make_env(DEFAULT_ENV_ID, {"model": model, **OF_LAWS}) as made:
         assert asdict(make_baseline("damper", made).parameters) == written["parameters"]

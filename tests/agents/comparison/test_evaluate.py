@@ -13,7 +13,7 @@ from training import write_policy
 from agents.comparison.controllers import parse_controller, parse_controllers
 from agents.comparison.evaluation import SUITES, common_environment, evaluate, suite_controllers
 from agents.comparison.report import references, summarize, tabulate
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.environments import DEFAULT_ENV_ID, OF_LAWS, episode_seeds, make_env, with_sampling
 from agents.laws.baselines import is_tuned, make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
@@ -21,7 +21,7 @@ from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
 from solar_env.__main__ import execute, main
-from solar_env.environment.registration import DEPLOY_RANDOMISED_V1
+from solar_env.environment.registration import DEPLOY_RANDOMISED_V1, DEPLOY_V1
 from solar_env.support.values import plain
 
 ALONE = ["--quiet", "--jobs", "1"]
@@ -38,7 +38,7 @@ def column(rows, controller, figure):
 
 def test_the_same_seeds_give_the_same_episodes_for_every_controller(rows):
     seeds = episode_seeds("evaluation", 5, 3)
-    env = make_env(env_kwargs=with_sampling({}))
+    env = make_env(DEFAULT_ENV_ID, with_sampling(OF_LAWS))
     for controller, law in (("passive", "passive"), ("again", "passive"), ("servo-untuned", "servo-untuned")):
         assert column(rows, controller, "seed") == seeds
         alone = [run_episode(env, make_baseline(law, env), seed)["return"] for seed in seeds]
@@ -93,7 +93,7 @@ def test_finished_episodes_that_are_none_are_told_by_their_file(tmp_path, capsys
     assert error.count("\n") == 1
 
 
-QUICK = ["deadline=0.5", "settling_window=0.2"]
+QUICK = ["deadline=0.5", "settling_window=0.5"]
 
 
 def evaluated_on(folder, *arguments):
@@ -198,7 +198,7 @@ def test_a_run_without_policy_says_so(tmp_path):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
 
 
-@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", DEPLOY_RANDOMISED_V1)])
+@pytest.mark.parametrize(("name", "env_id"), [("paper", DEPLOY_V1), ("robust", DEPLOY_RANDOMISED_V1)])
 def test_a_suite_is_a_scenario_on_modal_panels_with_all_that_was_tuned_there_or_trained_for_it(name, env_id):
     controllers = suite_controllers(SUITES[name])
     assert SUITES[name] == env_id
@@ -217,7 +217,7 @@ def test_a_suite_is_a_scenario_on_modal_panels_with_all_that_was_tuned_there_or_
 def test_suites_that_there_are_not_and_their_scenarios_are_told():
     with pytest.raises(ValueError, match="no suite 'fast'; available: paper, robust"):
         execute("evaluate", ["--suite", "fast"])
-    with pytest.raises(ValueError, match=f"--suite paper is about {DEFAULT_ENV_ID}"):
+    with pytest.raises(ValueError, match=f"--suite paper is about {DEPLOY_V1}"):
         execute("evaluate", ["--suite", "paper", "--env-id", DEPLOY_RANDOMISED_V1])
 
 

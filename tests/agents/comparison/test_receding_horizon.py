@@ -7,11 +7,11 @@ import pytest
 
 from agents.comparison.controllers import parse_controller
 from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
-from agents.environments import DEFAULT_ENV_ID, make_env
+from agents.environments import make_env
 from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.rollout import run_episode
 from agents.torque_laws import DeterministicController, Signals
-from solar_env.environment.registration import DEPLOY_RANDOMISED_V1
+from solar_env.environment.registration import DEPLOY_RANDOMISED_V1, DEPLOY_V1
 
 # Strong springs deploy the array within three seconds.
 SHORT = {
@@ -20,10 +20,10 @@ SHORT = {
     "deadline": 4.0,
     "settling_window": 0.3,
 }
-QUICK = SearchSettings(knots=4, candidates=5, elites=2, replan_every=12, initial_deviation=0.2, least_deviation=0.02)
+QUICK = SearchSettings(knots=4, candidates=5, elites=2, replan_after=1.2, initial_deviation=0.2, least_deviation=0.02)
 
 
-def make(env_id=DEFAULT_ENV_ID, **keywords):
+def make(env_id=DEPLOY_V1, **keywords):
     return make_env(env_id, {**SHORT, **keywords})
 
 
@@ -80,8 +80,8 @@ def everything(env):
 @pytest.mark.parametrize(
     ("env_id", "action", "observation"),
     [
-        (DEFAULT_ENV_ID, "torque", "history"),
-        (DEFAULT_ENV_ID, "rate", "landing"),
+        (DEPLOY_V1, "torque", "history"),
+        (DEPLOY_V1, "rate", "landing"),
         (DEPLOY_RANDOMISED_V1, "torque", ["theta_1_ago"]),
         (DEPLOY_RANDOMISED_V1, "rate", "landing"),
     ],
@@ -104,7 +104,7 @@ def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_conta
     assert futures.batch.simulations[0].state.v.tobytes() != futures.batch.simulations[1].state.v.tobytes()
 
 
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED_V1])
+@pytest.mark.parametrize("env_id", [DEPLOY_V1, DEPLOY_RANDOMISED_V1])
 def test_planning_leaves_the_environment_as_it_was_to_the_last_bit(env_id):
     env = make(env_id)
     observation = brought_into_contact(env)
@@ -113,12 +113,12 @@ def test_planning_leaves_the_environment_as_it_was_to_the_last_bit(env_id):
     assert everything(env) == before
 
 
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED_V1])
+@pytest.mark.parametrize("env_id", [DEPLOY_V1, DEPLOY_RANDOMISED_V1])
 def test_what_was_predicted_comes_to_pass_and_predictions_only_improve(env_id):
     env = make(env_id)
     realised, actions, predicted = played(env, search(env))
     assert realised == pytest.approx(predicted[-1], rel=1e-12)
-    assert len(predicted) == -(-len(actions) // QUICK.replan_every)
+    assert len(predicted) == -(-len(actions) // 12)
     assert np.all(np.diff(predicted) >= 0.0)
     assert predicted[-1] > predicted[0] >= run_episode(env, damper(env), 0)["return"]
 
@@ -147,9 +147,9 @@ def test_around_a_shipped_policy_it_commands_rates_and_is_no_worse_than_the_poli
     around = parse_controller("receding-horizon:cma-es-rigid")
     assert around.name == "receding-horizon:cma-es-rigid"
     assert around.interface()["action"] == "rate"
-    env = make_env(DEFAULT_ENV_ID, around.interface())
+    env = make_env(DEPLOY_V1, around.interface())
     policy = parse_controller("cma-es-rigid").load(env)
-    settings = SearchSettings(candidates=4, elites=2, iterations=1, replan_every=100)
+    settings = SearchSettings(candidates=4, elites=2, iterations=1, replan_after=10.0)
     realised, _, predicted = played(env, RecedingHorizon(env, policy, settings))
     assert realised == pytest.approx(predicted[-1], rel=1e-12)
     assert realised >= run_episode(env, policy, 0)["return"]

@@ -37,7 +37,7 @@ class World:
 
     def __init__(self, wanted=0.6, lengths=lambda count: np.full(count, 14)):
         self.unwrapped, self.wanted, self.lengths = self, wanted, lengths
-        self.task = SimpleNamespace(control_period=PERIOD, deadline=DEADLINE, settling_window=AFTER)
+        self.task = SimpleNamespace(control_period=PERIOD, deadline=DEADLINE, settling_window=AFTER, overtime=0.0)
         self.period, self.tried = 0, []
 
     @property
@@ -92,7 +92,7 @@ def test_later_candidates_are_spread_about_the_best_of_the_earlier_ones_as_these
 
 def test_the_best_of_all_that_was_tried_is_played_and_earns_what_was_predicted():
     world = World()
-    controller = search(world, knots=4, replan_every=5)
+    controller = search(world, knots=4, replan_after=5 * PERIOD)
     actions = play(world, controller)
     assert controller.predicted_returns[-1] == pytest.approx(returns(world, actions[None])[0], rel=1e-6)
     assert len(world.tried) == 2 * 3
@@ -108,7 +108,7 @@ def test_the_best_of_all_that_was_tried_is_played_and_earns_what_was_predicted()
 
 def test_a_search_goes_on_from_the_plan_that_it_has():
     world = World()
-    controller = search(world, knots=2, replan_every=4, iterations=1)
+    controller = search(world, knots=2, replan_after=4 * PERIOD, iterations=1)
     play(world, controller, 5)
     first, second = world.tried
     best = first[returns(world, first).argmax()]
@@ -119,7 +119,7 @@ def test_a_search_goes_on_from_the_plan_that_it_has():
 
 def test_where_nothing_beats_the_base_law_it_is_played():
     world = World(wanted=BASE)
-    controller = search(world, replan_every=3)
+    controller = search(world, replan_after=3 * PERIOD)
     assert play(world, controller) == pytest.approx(BASE, abs=1e-7)
     assert controller.predicted_returns == pytest.approx([0.0] * 5, abs=1e-12)
 

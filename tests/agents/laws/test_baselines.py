@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents.environments import DEFAULT_ENV_ID, make_env, with_sampling
+from agents.environments import make_env, with_sampling
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.feedback import (
     DamperParameters,
@@ -18,6 +18,7 @@ from agents.laws.servo import RESERVE, ServoParameters, SoftStartParameters, Sof
 from agents.laws.table import LAWS, TUNABLE
 from agents.rollout import run_episode
 from agents.torque_laws import Signals, weighted_opening
+from solar_env.environment.registration import DEPLOY_V1
 
 NAMES = ("theta_1", "theta_2", "rate_1", "rate_2", "latched_1", "latched_2")
 NAMES += ("motor_torque", "time_to_deadline", "time_since_latch")
@@ -97,7 +98,7 @@ def test_a_soft_start_hands_over_to_the_servo_by_and_by():
 
 @pytest.mark.slow
 def test_the_tuned_soft_start_wears_the_bearings_less_than_the_servo_where_panels_have_converged():
-    env = make_env(env_kwargs=with_sampling({"model": "flexible-clearance"}))
+    env = make_env(DEPLOY_V1, with_sampling({"model": "flexible-clearance"}))
     runs = {
         name: [run_episode(env, make_baseline(name, env), seed=seed) for seed in range(4)]
         for name in ("servo", "soft-start")
@@ -152,7 +153,7 @@ def test_damper_opposes_the_rate_of_joint_1_by_its_coefficient_of_the_phase():
 @pytest.mark.parametrize("name", TUNABLE)
 def test_parameters_lie_in_the_ranges_that_tuning_searches_and_no_gain_is_negative(name):
     defaults = TUNABLE[name].defaults
-    for parameters in (defaults, load_parameters(name, DEFAULT_ENV_ID, "rigid-clearance")):
+    for parameters in (defaults, load_parameters(name, DEPLOY_V1, "rigid-clearance")):
         numbers = parameters.to_unit()
         assert np.all((numbers >= 0.0) & (numbers <= 1.0))
     low, high = defaults.bounds().T

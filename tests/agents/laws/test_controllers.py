@@ -24,7 +24,7 @@ from solar_env.environment.registration import DEPLOY_V1
 
 @pytest.fixture
 def env():
-    return make_env(env_kwargs={"model": "rigid-clearance"})
+    return make_env(DEPLOY_V1, {"model": "rigid-clearance"})
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, n
 def test_a_run_or_what_is_exported_of_it_is_not_used_where_its_actions_mean_something_else(finished):
     for folder in finished["ppo"]:
         with pytest.raises(ValueError, match=r"torque_limit is 0\.3; the policy was trained with 0\.5"):
-            parse_controller(str(folder)).load(make_env(env_kwargs={**QUICK, "torque_limit": 0.3}))
+            parse_controller(str(folder)).load(make_env(DEPLOY_V1, {**QUICK, "torque_limit": 0.3}))
 
 
 def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_baseline_that_has_changed(
@@ -80,7 +80,7 @@ def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_
     def motor_work(seed=0):
         evaluation._agents_digest.cache_clear()
         keywords, store = policy.env_kwargs, tmp_path / "store.jsonl"
-        return evaluate(["third"], 1, seed, env_kwargs=keywords, progress=False, store=store)[0]["motor_work_J"]
+        return evaluate(["third"], 1, seed, DEPLOY_V1, keywords, progress=False, store=store)[0]["motor_work_J"]
 
     first = motor_work()
     assert motor_work() == first

@@ -5,17 +5,18 @@ import json
 import numpy as np
 import pytest
 
-from agents.environments import DEFAULT_ENV_ID, make_env
+from agents.environments import make_env
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.feedback import DamperParameters, Passive, ViscousDamper
 from agents.laws.table import LAWS
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
+from solar_env.environment.registration import DEPLOY_V1
 
 
 @pytest.fixture(scope="module")
 def env():
-    made = make_env()
+    made = make_env(DEPLOY_V1)
     yield made
     made.close()
 
@@ -37,29 +38,29 @@ def test_a_baseline_has_the_parameters_tuned_for_the_environments_own_model(conf
 
 @pytest.mark.parametrize("panels", ["1 element", "3 elements"])
 def test_tuned_parameters_hold_for_any_number_of_elements(configs, panels):
-    with make_env(env_kwargs={"model": f"flexible-clearance:{panels}"}) as made:
+    with make_env(DEPLOY_V1, {"model": f"flexible-clearance:{panels}"}) as made:
         assert make_baseline("damper", made).parameters.damping == 0.2
 
 
 def test_a_model_that_nothing_was_tuned_for_gets_the_rigid_parameters_and_says_so(configs):
     with (
-        make_env(env_kwargs={"model": "flexible-ideal"}) as made,
+        make_env(DEPLOY_V1, {"model": "flexible-ideal"}) as made,
         pytest.warns(UserWarning, match="tuned for flexible-ideal; it gets those for rigid-clearance"),
     ):
         assert make_baseline("damper", made).parameters.damping == 0.1
 
 
 def test_without_rigid_parameters_to_fall_back_on_another_model_is_refused(configs):
-    (configs / "damper.json").write_text(json.dumps({DEFAULT_ENV_ID: {"flexible-clearance": {}}}))
+    (configs / "damper.json").write_text(json.dumps({DEPLOY_V1: {"flexible-clearance": {}}}))
     with pytest.raises(ValueError, match=r"no parameters for .* with model 'flexible-ideal'"):
-        load_parameters("damper", DEFAULT_ENV_ID, "flexible-ideal")
+        load_parameters("damper", DEPLOY_V1, "flexible-ideal")
 
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 @pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance:1 element"])
 @pytest.mark.parametrize("name", LAWS)
 def test_every_baseline_deploys_the_nominal_array(model, name):
-    env = make_env(env_kwargs={"model": model})
+    env = make_env(DEPLOY_V1, {"model": model})
     figures = run_episode(env, make_baseline(name, env), seed=0)
     assert figures["latched"]
     assert figures["latch_times_s"] <= 20.0
@@ -79,8 +80,8 @@ def test_tuned_servo_latches_softer_than_the_springs_alone_which_do_no_motor_wor
 
 @pytest.mark.slow
 def test_the_servo_tuned_for_flexible_panels_is_better_there_than_the_one_tuned_for_rigid_ones():
-    with make_env(env_kwargs={"model": "flexible-clearance:2 elements"}) as flexible:
-        rigid = load_parameters("servo", DEFAULT_ENV_ID, "rigid-clearance")
+    with make_env(DEPLOY_V1, {"model": "flexible-clearance:2 elements"}) as flexible:
+        rigid = load_parameters("servo", DEPLOY_V1, "rigid-clearance")
         own, other = (run_episode(flexible, make_baseline("servo", flexible, p), seed=0) for p in (None, rigid))
     assert own["return"] > 0.5 * other["return"]
     assert own["peak_postlock_force_N"] < 0.5 * other["peak_postlock_force_N"]

@@ -11,6 +11,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.environments import DEFAULT_ENV_ID, environment_settings, make_env
 from agents.learning.vec_env import FixedSeeds, NativeVecEnv
+from solar_env.environment.registration import DEPLOY_V1
 
 LANES = 3
 KEYWORDS = {
@@ -85,7 +86,7 @@ def test_fixed_seeds_begin_the_same_episodes_at_every_reset():
         venv.step(np.zeros((LANES, 1)))
     assert designs[0] == designs[1]
     for lane, design in enumerate(designs[0]):
-        env = make_env(env_kwargs=KEYWORDS)
+        env = make_env(DEPLOY_V1, KEYWORDS)
         env.reset(seed=40 + lane)
         assert env.unwrapped.episode_parameters == design
 

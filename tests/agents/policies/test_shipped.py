@@ -11,6 +11,7 @@ from trained import QUICK, TRAINED, random_observations
 from agents.environments import make_env
 from agents.policies import onnx_form, shipped
 from agents.policies.shipped import Layer, PolicyNetwork, load_shipped
+from solar_env.environment.registration import DEPLOY_V1
 
 
 @pytest.fixture
@@ -137,7 +138,7 @@ def test_observations_and_environments_of_another_kind_are_refused(finished):
         ({"settling_window": 5.0}, r"settling_window is 5\.0; the policy was trained with 2\.0"),
         ({"observation": "history"}, r"names is .*theta_1_1_ago"),
     ]:
-        with make_env(env_kwargs={**QUICK, **keywords}) as env, pytest.raises(ValueError, match=message):
+        with make_env(DEPLOY_V1, {**QUICK, **keywords}) as env, pytest.raises(ValueError, match=message):
             policy.check(env)
 
 

@@ -68,7 +68,7 @@ def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: fl
     end = next(end for other_start, joint, end in contacts if (other_start, joint) == (begun, j))
     rate = -1.0
     for _ in range(_CORRECTIONS):
-        if not begun < end < begun + longest * duration:
+        if not start.clock["time"][0] < end < begun + longest * duration:
             return ()
         simulation.restore(start)
         simulation.advance(end)

@@ -68,7 +68,7 @@ def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: fl
     end = next(end for other_start, joint, end in contacts if (other_start, joint) == (begun, j))
     rate = -1.0
     for _ in range(_CORRECTIONS):
-        if not start.clock["time"][0] < end < begun + longest * duration:
+        if not begun < end < begun + longest * duration:
             return ()
         simulation.restore(start)
         simulation.advance(end)
@@ -77,7 +77,9 @@ def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: fl
     return -rate, simulation.time - begun, float(simulation.state.joints["contact_starts"].sum())
 
 
-def impacts(model: str, duration: float, tight: Integrator, longest: float) -> tuple[Column, Column, float]:
+def impacts(
+    model: str, duration: float, tight: Integrator, longest: float, slowest: float = 0.0
+) -> tuple[Column, Column, float]:
     """Impacts of a deployment by the default method, each of them also by another one.
 
     The exit speed contains what other joints' impacts and the springs do meanwhile, and can exceed the impact speed.
@@ -87,10 +89,12 @@ def impacts(model: str, duration: float, tight: Integrator, longest: float) -> t
         duration: [s].
         tight: method of the second run of each impact, of the formulation of the default one.
         longest: in predicted durations; contacts that last longer are left out.
+        slowest: exit speed [m/s] below which the method's tolerance does not tell whether surfaces part.
 
     Returns:
         Speeds [m/s] and errors of the exit speeds [m/s] of the impacts in which both runs have the same contacts, and
-        the share of the others: steps may pass over gaps of some nanometres, of this joint or of another one.
+        the share of the others, of those that part faster than `slowest`: steps may pass over gaps of some nanometres,
+        of this joint or of another one.
     """
     mechanism = build(ArrayParameters(), model)
     run, tight_run = Simulation(mechanism, default_integrator(model)), Simulation(mechanism, tight)
@@ -106,15 +110,17 @@ def impacts(model: str, duration: float, tight: Integrator, longest: float) -> t
             run.advance(begun + 1e-9)
             start = run.snapshot()
             joint = start.joints[j]
-            # At the minimum impact speed it is a journal that leans on its bearing.
-            if joint["in_contact"] and joint["impact_speed"] > run.model.joints[j]["minimum_impact_speed"]:
+            # At the minimum impact speed it is a journal that leans on its bearing, as is one in contact for long.
+            leans = joint["impact_speed"] <= run.model.joints[j]["minimum_impact_speed"]
+            if joint["in_contact"] and joint["contact_start"] > before.clock["time"][0] and not leans:
                 ends = [_exit(simulation, start, j, longest) for simulation in (run, tight_run)]
                 if all(ends):
                     rows.append((float(joint["impact_speed"]), *ends[0], *ends[1]))
         run.restore(after)
     speed, exit_speed, length, contacts, tight_exit_speed, tight_length, tight_contacts = np.array(rows).T
     same = (contacts == tight_contacts) & (np.abs(length - tight_length) < 0.1 * tight_length)
-    return speed[same], np.abs(exit_speed - tight_exit_speed)[same], 1.0 - float(same.mean())
+    told = same | (tight_exit_speed >= slowest)
+    return speed[same], np.abs(exit_speed - tight_exit_speed)[same], 1.0 - float(same[told].mean())
 
 
 def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterator[Check]:
@@ -141,13 +147,14 @@ def modal_impacts() -> Iterator[Check]:
     model = "flexible-clearance"
     name, default = f"{model}, 32 modes a panel, 16 s", default_integrator(model)
     tight = replace(default, rtol=0.01 * default.rtol, impact_resolution=_STEPS_PER_IMPACT)
-    speed, errors, left_out = impacts(model, 16.0, tight, _LONGEST_MODAL)
+    tolerance_of_speeds = default.rtol * default.velocity_scale
+    speed, errors, left_out = impacts(model, 16.0, tight, _LONGEST_MODAL, tolerance_of_speeds)
     yield from _compared(name, speed.size, 150, left_out)
     shares = errors / speed
     for quantity, obtained, tolerance in (
         ("median error of a restitution", np.median(shares), 2e-3),
         ("share of restitutions off by more than 1 %", np.mean(shares > 0.01), 0.2),
         (f"largest error of one, from {_FAST:g} m/s on", shares[speed >= _FAST].max(), 3e-3),
-        ("largest error of an exit speed [m/s]", errors.max(), 3.0 * default.rtol * default.velocity_scale),
+        ("largest error of an exit speed [m/s]", errors.max(), 3.0 * tolerance_of_speeds),
     ):
         yield Check(f"{name}: {quantity}", 0.0, float(obtained), tolerance, _TIGHTER)

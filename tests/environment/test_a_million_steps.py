@@ -49,6 +49,6 @@ def test_every_step_under_random_torques_gives_numbers_and_leaks_nothing(model):
         if step % (STEPS // 8) == 0:
             memory.append(used_memory())
     assert len(residuals) > LANES
-    # What rigid panels lose by the error of steps; bent ones are watched by `Simulation.check`.
-    assert model.startswith("flexible") or np.abs(residuals).max() < 1e-4
+    # What rigid panels lose by the error of steps, of a joule turned over; bent ones are watched by `Simulation.check`.
+    assert model.startswith("flexible") or np.abs(residuals).max() < 5e-4
     assert max(memory[3:]) < 1.05 * max(memory[:3])

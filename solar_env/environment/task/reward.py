@@ -178,7 +178,7 @@ class Reward:
         return np.array(rows, dtype=price_type)
 
     def told(self, time: float, account: NDArray[np.float64]) -> Told:
-        """What a function is told, from the time [s] and the account (terms, 2) of an episode."""
+        """Tell a function the time [s] and the figures of the account (terms, 2) of an episode."""
         figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
         return {"time_s": time, **figures}
 

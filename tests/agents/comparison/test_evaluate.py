@@ -136,7 +136,7 @@ def test_an_array_is_the_one_asked_for_whatever_a_run_was_trained_on(tmp_path):
 def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenario(tmp_path):
     drawn = {"model": "rigid-ideal", "randomize": {"hinge_x": [0.499, 0.501]}}
     write_policy(tmp_path, env_kwargs=drawn)
-    assert common_environment([str(tmp_path)]) == (DEFAULT_ENV_ID, drawn)
+    assert common_environment([str(tmp_path)]) == (DEPLOY_V1, drawn)
     assert common_environment([str(tmp_path)], DEPLOY_RANDOMISED_V1)[1] == {"model": "rigid-ideal"}
 
 

@@ -12,7 +12,7 @@ QUICK = {"model": "rigid-ideal", "control_period": 0.5, "settling_window": 2.0}
 QUICK |= {"observation": "drive", "action": "torque"}
 AS_QUICK = ["--env-id", "solar_env/Deploy-v1", "--env-kwargs", *(f"{name}={value}" for name, value in QUICK.items())]
 # Name -> algorithm.
-TRAINED = {"ppo": "ppo", "sac": "sac", "td3": "td3", "cma-es": "cma-es", "scored": "ppo"}
+TRAINED = {"ppo": "ppo", "sac": "sac", "cma-es": "cma-es", "scored": "ppo"}
 
 
 def train_and_export(folder: Path) -> dict[str, tuple[Path, Path]]:

@@ -19,7 +19,7 @@ QUICK_RUN = ["--model", "rigid-ideal", "--timesteps", "192"]
 OFF_POLICY = [*QUICK_RUN, "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
 SMALL = {
     "ppo": [*QUICK_RUN, "--hyperparams", "n_steps=64", "batch_size=32", "n_epochs=2"],
-    **dict.fromkeys(("sac", "td3", "tqc"), OFF_POLICY),
+    **dict.fromkeys(("sac", "tqc"), OFF_POLICY),
     "ars": [*QUICK_RUN, "--hyperparams", "n_delta=2"],
     "cma-es": [*QUICK_RUN, "--n-envs", "4", "--hyperparams", "population=4", "generations_between=1"],
 }

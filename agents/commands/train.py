@@ -29,7 +29,7 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
     """
 
     algo: str = "ppo"
-    """algorithm: ppo, sac, td3, tqc, ars or cma-es"""
+    """algorithm: ppo, sac, tqc, ars or cma-es"""
     timesteps: int = 100_000
     """environment steps in all"""
     seed: int = 0

@@ -9,7 +9,7 @@ from typing import Any
 
 import torch
 from sb3_contrib import ARS, TQC
-from stable_baselines3 import PPO, SAC, TD3
+from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback, EvalCallback
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor
@@ -20,7 +20,7 @@ from agents.learning.vec_env import FixedSeeds, NativeVecEnv
 from agents.learning.weight_search import CMAES
 from solar_env.support.files import write_bytes
 
-ALGORITHMS: dict[str, Any] = {"ppo": PPO, "sac": SAC, "td3": TD3, "tqc": TQC, "ars": ARS, "cma-es": CMAES}
+ALGORITHMS: dict[str, Any] = {"ppo": PPO, "sac": SAC, "tqc": TQC, "ars": ARS, "cma-es": CMAES}
 VALIDATIONS, EPISODES = 15, 8
 
 

@@ -84,7 +84,6 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "receding-horizon": _look("black", "*"),
     "ppo": _look(VERMILLION, "P"),
     "sac": _look(VIOLET, "X"),
-    "td3": _look(BROWN, "p"),
     "cma-es": _look("#2ab7a9", "H"),
     "ars": _look("#9aa300", "1"),
 }

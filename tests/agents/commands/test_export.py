@@ -35,7 +35,7 @@ def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished,
 
 def test_the_command_writes_a_shipped_policy_and_overwrites_nothing(finished, tmp_path, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
-    run = str(finished["td3"][0])
+    run = str(finished["sac"][0])
     execute("export", [run, "--out", str(tmp_path / "soft")])
     names = {path.name for path in (tmp_path / "soft").iterdir()}
     assert names == {"policy.npz", "policy.json", "policy.onnx", "card.md"}

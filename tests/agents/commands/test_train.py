@@ -20,7 +20,7 @@ def test_the_defaults_are_those_of_stable_baselines3_on_the_default_environment(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--algo", "a2c"], "no algorithm 'a2c'; available: ppo, sac, td3"),
+        (["--algo", "a2c"], "no algorithm 'a2c'; available: ppo, sac, tqc"),
         (["--timesteps", "0"], "timesteps is 0; give a positive number"),
         (["--env-id", "solar_env/Fold-v0"], "no environment 'solar_env/Fold-v0' is registered"),
         (["--env-id", "CartPole-v1"], "env_id is 'CartPole-v1'; give an environment of solar_env"),

@@ -127,8 +127,8 @@ table.load = lambda *_: SimpleNamespace(Args=make_dataclass("Args", []), run_com
 sys.exit(__main__.main(["design"]))
 """
 TRAINING = [
-    "-m", "solar_env", "train", "--algo", "ppo", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
-    "--hyperparams", "n_steps=20", "batch_size=20", "--checkpoint-interval", "40", "--quiet", "--out",
+    "-m", "solar_env", "train", "--algo", "ppo", "--model", "rigid-ideal", "--timesteps", "20000", "--n-envs", "2",
+    "--hyperparams", "n_steps=20", "batch_size=20", "--quiet", "--out",
 ]  # fmt: skip
 
 
@@ -137,7 +137,7 @@ TRAINING = [
     [
         pytest.param(["-c", CAMPAIGN], "*out", "kept .* results in .*; the same command goes on from there", id="runs"),
         pytest.param(
-            TRAINING, "out/checkpoint-previous.npz", "kept the checkpoint of step .* --resume .* goes on",
+            TRAINING, "out/last_model.zip", "solar-env train --resume .* goes on from the last validation",
             id="train", marks=pytest.mark.slow,
         ),
     ],
@@ -151,7 +151,7 @@ def test_ctrl_c_in_a_terminal_ends_a_command_at_once(tmp_path, words, begun, kep
     deadline = time.monotonic() + 120
     while time.monotonic() < deadline and process.poll() is None:
         time.sleep(0.1)
-        # The workers of a campaign have given a result each, or a checkpoint is there.
+        # The workers of a campaign have given a result each, or a validation is over.
         if any(path.name != "out" or path.read_bytes().count(b"\n") > 2 for path in tmp_path.glob(begun)):
             break
     os.killpg(process.pid, signal.SIGINT)

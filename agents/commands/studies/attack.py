@@ -1,4 +1,4 @@
-"""`solar-env study attack-on-reward`: a search for torques that the reward pays without a soft landing."""
+"""`solar-env study attack-on-reward`: a search for actions that the reward pays without a soft landing."""
 
 import json
 import math
@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from agents.environments import episode_seeds, make_vector_env, with_sampling
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
 from agents.learning import runs
 from solar_env.commands.study import Args
 from solar_env.environment.episodes import Info
-from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.task import Task
 from solar_env.support.minimisation import minimise
 
-# A profile has `KNOTS` torques and, for the time before and the time after the first latch each, the share of the
-# torque limit with which it chatters, its half-period and its phase: numbers in [0, 1].
+# A profile has `KNOTS` actions and, for the time before and the time after the first latch each, the share of the
+# greatest action with which it chatters, its half-period and its phase: numbers in [0, 1].
 KNOTS = 30
 NUMBERS = KNOTS + 2 * 3
 LONGEST_HALF_PERIOD = 4  # control periods
@@ -45,7 +44,7 @@ def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: 
 
 
 def passive_profile() -> np.ndarray:
-    """Return the profile (NUMBERS,) without torque and without chatter, at half-periods of one."""
+    """Return the profile (NUMBERS,) of actions of 0, without chatter, at half-periods of one."""
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 
@@ -68,11 +67,11 @@ def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) 
 
 
 def run(args: Args) -> int:
-    """Search torque profiles with chattering that the reward pays best, by CMA-ES, from the passive deployment."""
+    """Search profiles of actions with chattering that the reward pays best, by CMA-ES, from actions of 0."""
     folder, _ = args.folders("attack-on-reward")
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
-    keywords = {**with_sampling(KEYWORDS, DEPLOY), "autoreset_mode": AutoresetMode.DISABLED}
-    with closing(make_vector_env(lanes, DEPLOY, keywords)) as env:
+    keywords = {**with_sampling(KEYWORDS), "autoreset_mode": AutoresetMode.DISABLED}
+    with closing(make_vector_env(lanes, DEFAULT_ENV_ID, keywords)) as env:
         used = 0
 
         def costs(points: Sequence[np.ndarray]) -> list[float]:

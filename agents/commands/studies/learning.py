@@ -37,13 +37,14 @@ LENGTHS = {"ppo": (100_000, 1), "sac": (30_000, 1), "tqc": (30_000, 1), "ars": (
 CASES = {f"{algo}-{scene}": (algo, scene) for algo in LENGTHS for scene in SCENES}
 QUICK_TIMESTEPS = 4096  # of one seed
 EPISODES = 20  # of a law
-PACE = "seconds_per_step.json"  # of a run folder
+PACE = "seconds_per_step.json"  # of a run folder, written when the run has ended
 
 
 def run(args: Args) -> int:
     """Train agents over five seeds and draw all learning curves; finished runs are not trained again."""
     cases = args.parts(list(CASES))
     out, figures = args.folders("learning", figures=FIGURES)
+    out = out / "quick" if args.quick else out
     if not args.draw:
         _train_missing(args, cases, out)
         write_table(figures / TABLE, list(_rows(args, out)), provenance(args.command))
@@ -61,7 +62,7 @@ def _train_missing(args: Args, cases: list[str], out: Path) -> None:
             steps = QUICK_TIMESTEPS if args.quick else timesteps
             config = runs.Configuration(algo, env_id, keywords, seed, lanes, steps, {}, args.command)
             wanted[out / f"{case}-{seed}"] = config
-    missing = [folder for folder, config in wanted.items() if _steps(folder) < config.timesteps]
+    missing = [folder for folder in wanted if not (folder / PACE).is_file()]
     for folder in missing:
         if not (folder / runs.CONFIG).is_file():
             runs.new_run_folder(folder, wanted[folder])

@@ -32,7 +32,6 @@ def test_every_agent_has_a_curve_of_every_seed_beside_the_laws(tmp_path, monkeyp
     assert (tmp_path / learning.FIGURE).stat().st_size > 0
 
     monkeypatch.setattr(learning, "train", lambda *_: pytest.fail("trained again"))
-    monkeypatch.setattr(learning, "_steps", lambda folder: 200)
     execute("study", words)
     before = (tmp_path / learning.FIGURE).read_bytes()
     execute("study", [*words, "--draw"])

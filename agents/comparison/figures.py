@@ -107,7 +107,7 @@ def learning_curves_figure(panels: Mapping[str, Panel], path: Path) -> None:
                 last[algo] = middle[-1]
             for name, mean in panel.laws.items():
                 axes[row, column].axhline(mean, color=look_of(name, CONTROLLER_LOOKS)["color"], ls=":", label=name)
-            axes[row, column].set(ylim=(-3.0, 0.0), xscale="log", xlabel=label, ylabel="return in validation")
+            axes[row, column].set(ylim=(-3.0, 1.2), xscale="log", xlabel=label, ylabel="return in validation")
         axes[0, column].set_title(scene)
         best[scene] = max(last, key=last.__getitem__)
     axes[0, 0].legend()

@@ -21,7 +21,7 @@ SMALL = {
     "ppo": [*QUICK_RUN, "--hyperparams", "n_steps=64", "batch_size=32", "n_epochs=2"],
     **dict.fromkeys(("sac", "tqc"), OFF_POLICY),
     "ars": [*QUICK_RUN, "--hyperparams", "n_delta=2"],
-    "cma-es": [*QUICK_RUN, "--n-envs", "4", "--hyperparams", "population=4", "generations_between=1"],
+    "cma-es": [*QUICK_RUN, "--n-envs", "4", "--hyperparams", "population=4"],
 }
 
 

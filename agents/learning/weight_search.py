@@ -6,6 +6,7 @@ episodes alone, so that the delay between a landing and its cost does not stand 
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import cma
@@ -16,24 +17,31 @@ from sb3_contrib.common.vec_env.async_eval import AsyncEval
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
+from agents.policies.saved_models import read_model
+
+BETWEEN, FINALISTS = 10, 2  # generations from one round to the next, candidates that have one beside the mean
+ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
+
 
 class CMAES(ARS):
     """CMA-ES over the weights (N. Hansen, 2016, arXiv:1604.00772), whose policy is the best candidate so far.
 
-    The policy is a hyperbolic tangent of a linear function, unless `policy_kwargs` ask for layers. The mean of the
-    distribution wanders over a rough landscape, and a single episode flatters. Every few generations the best
-    candidates since the last time and the mean therefore have a round each, an episode in every environment, the same
-    ones every time, and the policy is the best of all that have had one.
+    The policy is a hyperbolic tangent of a linear function, or that of `start`, of which the last layer alone is
+    searched. The mean of the distribution wanders over a rough landscape, and a single episode flatters. Every few
+    generations the best candidates since the last time and the mean therefore have a round each, an episode in every
+    environment, the same ones every time, and the policy is the best of all that have had one.
 
     Args:
         policy, env: See `stable_baselines3.common.base_class.BaseAlgorithm`. As many environments as candidates waste
             no time.
         population: Candidates of a generation.
         deviation: Standard deviation of every weight in the first generation.
-        generations_between: Generations from one round to the next.
-        finalists: Candidates that have a round beside the mean.
+        start: Model of Stable-Baselines3 (.zip) to begin with.
         policy_kwargs: Of the policy.
         keywords: See `sb3_contrib.ARS`.
+
+    Raises:
+        FileNotFoundError, ValueError: There is no model `start`, or it is none for this environment.
     """
 
     def __init__(
@@ -42,56 +50,77 @@ class CMAES(ARS):
         env: VecEnv,
         population: int = 16,
         deviation: float = 0.3,
-        generations_between: int = 10,
-        finalists: int = 2,
+        start: str | None = None,
         policy_kwargs: dict[str, Any] | None = None,
         **keywords: Any,
     ) -> None:
         self.population, self.deviation = population, deviation
-        self.generations_between, self.finalists = generations_between, finalists
-        super().__init__(policy, env, policy_kwargs={"net_arch": [], **(policy_kwargs or {})}, **keywords)
+        self._start = read_model(Path(start)) if start else None
+        of_policy: dict[str, Any] = {"net_arch": []}
+        if self._start:
+            of_policy["net_arch"] = [layer.biases.size for layer in self._start.layers[:-1]]
+            of_policy["activation_fn"] = ACTIVATIONS[self._start.activation]
+            of_policy["squash_output"] = self._start.output == "tanh"
+        super().__init__(policy, env, policy_kwargs={**of_policy, **(policy_kwargs or {})}, **keywords)
 
     def _setup_model(self) -> None:
         super()._setup_model()
+        self.searched = self.n_params
+        if self._start:
+            begin = np.concatenate([part.ravel() for layer in self._start.layers for part in layer])
+            if begin.size != self.n_params:
+                raise ValueError(f"start has {begin.size} weights, a policy of this environment {self.n_params}")
+            self.policy.load_from_vector(begin)
+            self.searched = sum(part.size for part in self._start.layers[-1])
+        self.search: Any = None  # begins at the weights that the policy then has
+        self.seen: list[tuple[float, np.ndarray]] = []
+        self.best_return = -math.inf
+
+    def _excluded_save_params(self) -> list[str]:
+        return [*super()._excluded_save_params(), "search", "seen", "_start"]
+
+    def _begin(self) -> None:
+        """Begin a search around the weights of the policy."""
+        self.weights: Any = torch.nn.utils.parameters_to_vector(self.policy.parameters()).detach()
         # Left to itself pycma draws from NumPy's global generator.
         options: dict[str, object] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
         options["randn"] = np.random.RandomState(self.seed).randn
-        self.search: Any = cma.CMAEvolutionStrategy(np.zeros(self.n_params), self.deviation, options)
-        self.seen: list[tuple[float, np.ndarray]] = []
-        self.best_return = -math.inf
-        self.weights: Any = torch.zeros(self.n_params)
-        self.policy.load_from_vector(self.weights.numpy())
-
-    def _excluded_save_params(self) -> list[str]:
-        return [*super()._excluded_save_params(), "search", "seen"]
+        mean = self.weights.numpy()[-self.searched :].astype(float)
+        self.search = cma.CMAEvolutionStrategy(mean, self.deviation, options)
 
     def _do_one_update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
         callback.on_rollout_start()
+        if self.search is None:
+            self._begin()
         asked = self.search.ask()
         returns = self._returns(asked, callback)
         self.search.tell(asked, (-returns).tolist())
         self.seen += zip(returns.tolist(), asked, strict=True)
         self._n_updates += 1
-        if self._n_updates % self.generations_between == 0 or self.num_timesteps >= self._total_timesteps:
-            best = sorted(self.seen, key=lambda pair: -pair[0])[: self.finalists]
-            for weights in (self.search.mean, *(weights for _, weights in best)):
-                self._judge(weights, callback)
+        if self._n_updates % BETWEEN == 0 or self.num_timesteps >= self._total_timesteps:
+            best = sorted(self.seen, key=lambda pair: -pair[0])[:FINALISTS]
+            for searched in (self.search.mean, *(searched for _, searched in best)):
+                self._judge(searched, callback)
             self.seen.clear()
         self.logger.record("train/deviation", self.search.sigma)
         callback.on_rollout_end()
 
-    def _judge(self, weights: np.ndarray, callback: BaseCallback) -> None:
+    def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
         """Let weights have a round; they become the policy's if none did better in theirs."""
         env: Any = self.env
         env.seed(self.seed or 0)
-        mean_return = float(self._returns([weights] * env.num_envs, callback).mean())
+        mean_return = float(self._returns([searched] * env.num_envs, callback).mean())
         if mean_return > self.best_return:
             self.best_return = mean_return
-            self.weights = torch.as_tensor(weights, dtype=torch.float32)
+            self.weights = torch.as_tensor(self._whole(searched))
             self.policy.load_from_vector(self.weights.numpy())
 
+    def _whole(self, searched: np.ndarray) -> np.ndarray:
+        """All weights (n_params,) of a candidate, of which (searched,) are its own."""
+        return np.concatenate([self.weights.numpy()[: -self.searched], searched]).astype(np.float32)
+
     def _returns(self, candidates: Sequence[np.ndarray], callback: BaseCallback) -> np.ndarray:
-        """Returns (candidates,) of an episode of each of the weights, as many at once as there are environments."""
+        """Returns (candidates,) of an episode of each candidate, as many at once as there are environments."""
         env: Any = self.env
         parts = [candidates[first : first + env.num_envs] for first in range(0, len(candidates), env.num_envs)]
         return np.concatenate([self._round(part, callback) for part in parts])
@@ -103,12 +132,12 @@ class CMAES(ARS):
         while running.any():
             actions = np.zeros((env.num_envs, *env.action_space.shape), dtype=np.float32)
             for lane in np.flatnonzero(running).tolist():
-                self.policy.load_from_vector(candidates[lane])
+                self.policy.load_from_vector(self._whole(candidates[lane]))
                 actions[lane] = self.policy.predict(observations[lane], deterministic=True)[0]
             observations, rewards, dones, _ = env.step(actions)
             returns += np.where(running, rewards, 0.0)
             self.num_timesteps += int(running.sum())
+            self.policy.load_from_vector(self.weights.numpy())  # the one that callbacks validate and save
             callback.on_step()
             running &= ~dones
-        self.policy.load_from_vector(self.weights.numpy())
         return returns[: len(candidates)]

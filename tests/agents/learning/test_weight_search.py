@@ -3,7 +3,9 @@
 import gymnasium
 import numpy as np
 import pytest
-from stable_baselines3.common.callbacks import CallbackList
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnvWrapper
@@ -34,8 +36,7 @@ class OneByOne(gymnasium.Env):
 
 
 def made(env, **changes):
-    keywords = {"population": 8, "generations_between": 3, "finalists": 1, **changes}
-    return CMAES("MlpPolicy", env, seed=3, **keywords)
+    return CMAES("MlpPolicy", env, seed=3, population=8, **changes)
 
 
 @pytest.mark.parametrize("lanes", [3, 8])
@@ -47,11 +48,40 @@ def test_the_best_weights_of_a_known_task_are_found_whatever_the_number_of_envir
 
 
 def test_a_search_that_ends_before_its_next_choice_chooses_after_its_last_generation():
-    model = made(DummyVecEnv([OneByOne] * 8), generations_between=1000)
-    model.learn(3000)
-    judged = 2 * 8 * 3  # the mean and a finalist, an episode of three steps in every environment
-    assert 3000 <= model.num_timesteps - judged < 3000 + 8 * 3
+    model = made(DummyVecEnv([OneByOne] * 8))
+    model.learn(200)
+    judged = 3 * 8 * 3  # the mean and two finalists, an episode of three steps in every environment
+    assert 200 <= model.num_timesteps - judged < 200 + 8 * 3
     assert np.any(model.weights.numpy())
+
+
+def test_a_search_around_a_trained_policy_changes_its_last_layer_alone_and_begins_with_its_actions(tmp_path):
+    shown = np.eye(3, dtype=np.float32)
+    trained = PPO("MlpPolicy", DummyVecEnv([OneByOne]), seed=1, device="cpu")
+    trained.save(tmp_path / "model.zip")
+    model = made(DummyVecEnv([OneByOne] * 8), start=str(tmp_path / "model.zip"), deviation=0.1)
+    np.testing.assert_allclose(model.predict(shown)[0], trained.predict(shown, deterministic=True)[0], atol=1e-6)
+    before = [value.clone() for value in model.policy.parameters()]
+    model.learn(9000)
+    changed = [not torch.equal(*pair) for pair in zip(before, model.policy.parameters(), strict=True)]
+    assert changed == [False, False, False, False, True, True]
+    assert model.predict(shown, deterministic=True)[0][:, 0] == pytest.approx(TARGET, abs=0.05)
+    with pytest.raises(ValueError, match="start has 4481 weights, a policy of this environment 4801"):
+        made(NativeVecEnv(1, DEPLOY, QUICK), start=str(tmp_path / "model.zip"))
+
+
+class Validated(BaseCallback):
+    """Keeps the policy's weights at every step."""
+
+    def _on_step(self):
+        self.weights = [*getattr(self, "weights", []), self.model.policy.parameters_to_vector()]
+        return True
+
+
+def test_callbacks_see_the_policy_and_no_candidate():
+    validated = Validated()
+    made(DummyVecEnv([OneByOne] * 8)).learn(200, validated)
+    assert len(np.unique(validated.weights, axis=0)) <= 1 + 3, "the first, and those that had a round"
 
 
 class Recorded(VecEnvWrapper):
@@ -79,6 +109,7 @@ def test_candidates_have_the_returns_of_their_policies_and_who_has_ended_is_not_
     venv = Recorded(FixedSeeds(NativeVecEnv(lanes, DEPLOY, QUICK), 5))
     model = made(venv)
     model._logger = configure(None, [])
+    model._begin()
     candidates = np.zeros((lanes, model.n_params))
     candidates[:, -1] = [-0.3, 0.0, 0.2]  # the bias
     together = model._returns(candidates, model._init_callback(CallbackList([])))

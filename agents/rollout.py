@@ -3,41 +3,24 @@
 import math
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
 
 import gymnasium
 import numpy as np
 
 from agents.torque_laws import Controller
 from solar_env.environment.episodes import Info
-from solar_env.mechanics.arrays.columns import RATE
-from solar_env.support.values import is_number
 
 Figures = dict[str, float | int | bool]
 UNITS = ("s", "N", "Ns", "J", "m")
 """Ends of the names of figures: `contact_starts` has no unit."""
 
 
-@dataclass(frozen=True)
-class Step:
-    """Record of one control period, for figures."""
-
-    time_s: float
-    observation: np.ndarray  # at the end of the period
-    action: np.ndarray
-    rates: np.ndarray  # (joints,) [rad/s]
-    motor_torque: float  # at the end of the period [N m]
-    peak_forces: np.ndarray  # (joints,) greatest contact force of the period [N]; with ideal joints the reaction
-    reward_terms: dict[str, float]
-
-
 def run_episode(
-    env: gymnasium.Env, controller: Controller, seed: int, record: Callable[[Step], None] | None = None
+    env: gymnasium.Env, controller: Controller, seed: int, record: Callable[[Info], None] | None = None
 ) -> Figures:
     """Run one deterministic episode and return its figures (see `episode_figures`) with its seed.
 
-    `record`, if given, is called after every step.
+    `record`, if given, is called with the information of every step.
     """
     observation, _ = env.reset(seed=seed)
     state = None
@@ -50,25 +33,9 @@ def run_episode(
         for name, value in info["reward_terms"].items():
             terms[name] += value
         if record is not None:
-            record(_step(env.unwrapped, observation, action, info))
+            record(info)
         if terminated or truncated:
             return {"seed": seed, **episode_figures(info["deployment"], terms)}
-
-
-def are_figures(content: object) -> bool:
-    """Whether something read from a file can be what `run_episode` returned."""
-    return (
-        isinstance(content, Mapping)
-        and {"return", "latched"} <= set(content)
-        and all(isinstance(value, bool) or is_number(value) for value in content.values())
-    )
-
-
-def _step(env: Any, observation: np.ndarray, action: np.ndarray, info: Info) -> Step:
-    """Make the record of the control period that has just ended."""
-    joints, rates = env.simulation.state.joints, env.simulation.joint_loads()[:, RATE].copy()
-    torque, forces = float(joints["motor_torque"][env.task.driven_joint]), joints["recent_peak_force"].copy()
-    return Step(info["time_s"], observation, action, rates, torque, forces, info["reward_terms"])
 
 
 def episode_figures(deployment: Info, reward_terms: Mapping[str, float]) -> Figures:

@@ -9,6 +9,8 @@ from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 import gymnasium
 import numpy as np
 
+from solar_env.environment.settings import EnvironmentSettings
+
 Entries = Mapping[str, np.ndarray]
 """Observed values (n,) by the name of the entry."""
 
@@ -38,7 +40,7 @@ class Signals:
         control_period: Time for which an action is held [s].
         settling_window: Unit of the observed time since the last latch [s].
         driven_joint: Index of the joint that the motor works on; 0 is the root hinge.
-        action: What an action is: "torque" or "rate", see `solar_env.environment.task.task.Task`.
+        action: What an action is, see `solar_env.environment.task.task.Task`.
     """
 
     names: tuple[str, ...]
@@ -50,9 +52,9 @@ class Signals:
     action: str = "torque"
 
     @classmethod
-    def of(cls, env: gymnasium.Env) -> Self:
-        """Return the signals of an environment of this project."""
-        unwrapped: Any = env.unwrapped
+    def of(cls, env: gymnasium.Env | EnvironmentSettings) -> Self:
+        """Return the signals of an environment of this project, or of its settings."""
+        unwrapped: Any = env.unwrapped if isinstance(env, gymnasium.Env) else env
         _, *of_task = (item.name for item in fields(cls))
         return cls(tuple(unwrapped.observation_names), **{name: getattr(unwrapped.task, name) for name in of_task})
 

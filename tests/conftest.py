@@ -107,11 +107,3 @@ def configs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     tuned = {model: {"parameters": {"damping": d, "settling_damping": 0.0}} for model, d in dampings.items()}
     (tmp_path / "damper.json").write_text(json.dumps(dict.fromkeys((DEPLOY_V1, DEPLOY), tuned)))
     return tmp_path
-
-
-@pytest.fixture(scope="session")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, Path]]:
-    """The result of `trained.train_and_export`."""
-    from trained import train_and_export
-
-    return train_and_export(tmp_path_factory.mktemp("export"))

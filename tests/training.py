@@ -1,18 +1,19 @@
 """The training command for tests: quick options for every algorithm."""
 
+import json
 import warnings
+import zipfile
+from dataclasses import asdict
+from io import BytesIO
 from pathlib import Path
 
-import numpy as np
+import torch
 
 from agents.commands import train
 from agents.laws.baselines import UntunedWarning
-from agents.learning import training
-from agents.policies import shipped
-from agents.policies.network import Layer, PolicyNetwork
-from agents.policies.shipped import UNITS, Description, ShippedPolicy
+from agents.learning import runs, training
 from solar_env.commands.arguments import parse_arguments
-from solar_env.environment.registration import DEPLOY_V1
+from solar_env.environment.registration import DEPLOY
 
 training.VALIDATIONS, training.EPISODES = 2, 2  # of every training in tests
 QUICK_RUN = ["--model", "rigid-ideal", "--timesteps", "192"]
@@ -39,13 +40,18 @@ def run(*arguments, compare=True):
     return folder
 
 
-def write_policy(folder, output=None, **changes):
-    """Write a policy with a layer of output, by default one that does nothing, and changes of its description."""
-    described = {"algorithm": "ppo", "training_steps": 0, "env_id": DEPLOY_V1, "env_kwargs": {}}
-    described |= {"observation_limit": 1.0, "activation": "tanh", "output": "clip", "mean_limit": None}
-    described |= {"observation_names": ("theta_1",), **dict.fromkeys(UNITS, 1.0), **changes}
-    output = output or Layer(np.zeros((1, len(described["observation_names"])), np.float32), np.zeros(1, np.float32))
-    network = PolicyNetwork((output,), 1.0, "tanh", "clip")
+def write_run(folder, weights=((0.0,) * 8,), bias=0.0, **changes):
+    """Write a run folder whose policy is a line, by default one that does nothing; returns its configuration."""
+    described = {"algo": "ppo", "env_id": DEPLOY, "env_kwargs": {}, "seed": 0, "n_envs": 1, "timesteps": 9}
+    config = runs.Configuration(**{**described, "hyperparameters": {}, **changes})
     folder.mkdir(exist_ok=True)
-    shipped.write_policy(folder, ShippedPolicy(network, Description(**described)))
-    return Description(**described)
+    runs.write_json(folder / runs.CONFIG, asdict(config))
+    parameters, stored = (
+        {"action_net.weight": torch.tensor(weights), "action_net.bias": torch.tensor([bias])},
+        BytesIO(),
+    )
+    torch.save(parameters, stored)
+    with zipfile.ZipFile(folder / runs.BEST, "w") as file:
+        file.writestr("data", json.dumps({"policy_kwargs": {"squash_output": False}}))
+        file.writestr("policy.pth", stored.getvalue())
+    return config

@@ -12,13 +12,13 @@ from PIL import Image
 
 from agents.commands.arguments import ModelOptions
 from agents.comparison.controllers import parse_controllers
-from agents.comparison.figures import deployments_figure
 from agents.comparison.report import TABLE
 from agents.environments import DEFAULT_ENV_ID, MODEL, episode_seeds, make_env, with_sampling
-from agents.rollout import Figures, Step, run_episode
+from agents.rollout import Figures, run_episode
 from agents.torque_laws import Controller
 from solar_env.array import ArrayParameters
 from solar_env.commands.arguments import CommandRecord, QuietOption
+from solar_env.environment.episodes import Info
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.films import FRAMES_PER_SECOND, captioned, encoder, write_film
@@ -43,7 +43,7 @@ class Args(ModelOptions, QuietOption, CommandRecord):
     controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
     """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
     out: Path = Path("replay.html")
-    """page in motion that needs no network, .html; film, .mp4, or three times as fast, .gif; figure, .png"""
+    """page in motion that needs no network, .html; film, .mp4, or three times as fast, .gif"""
     seed: int = 0
     """chooses the evaluation episode"""
     env_id: str = DEFAULT_ENV_ID
@@ -52,7 +52,7 @@ class Args(ModelOptions, QuietOption, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    check_target(args.out, (".html", *FILMS, ".png"))
+    check_target(args.out, (".html", *FILMS))
     suffix, (seed,) = args.out.suffix.lower(), episode_seeds("evaluation", args.seed, 1)
     if suffix in FILMS:
         if suffix == ".mp4":
@@ -60,11 +60,6 @@ def run_command(args: Args) -> int:
         shown = _each(args, render_mode="rgb_array")
         films = [filmed(env, controller, name, seed, *FILMS[suffix]) for name, controller, env in shown]
         write_film(films, args.out)
-    elif suffix == ".png":
-        steps: dict[str, list[Step]] = {}
-        for name, controller, env in _each(args):
-            run_episode(env, controller, seed, steps.setdefault(name, []).append)
-        deployments_figure(steps, args.out)
     else:
         episodes: dict[str, Trajectory] = {}
         figures: dict[str, Figures] = {}
@@ -120,8 +115,8 @@ def filmed(env: Any, controller: Controller, name: str, seed: int, width: int, s
     film: list[Image.Image] = []
     interval = speed / FRAMES_PER_SECOND
 
-    def record(step: Step) -> None:
-        due = math.ceil(step.time_s / interval - 1e-6) - len(film)
+    def record(info: Info) -> None:
+        due = math.ceil(info["time_s"] / interval - 1e-6) - len(film)
         if due > 0:
             film.extend([captioned(env.render(), name, width)] * due)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from agents.commands.arguments import ModelOptions
 from agents.comparison.evaluation import evaluate
-from agents.comparison.figures import learning_curve_figure
+from agents.comparison.figures import Panel, learning_curves_figure
 from agents.comparison.report import write_comparison
 from agents.environments import episode_seeds
 from agents.learning import runs
@@ -59,7 +59,10 @@ def run_command(args: Args) -> int:
         episodes = args.eval_episodes, config.seed, config.env_id, config.env_kwargs
         rows = evaluate([*LAWS, f"{config.algo}={folder}"], *episodes, not args.quiet, args.workers)
     summary, tables = write_comparison(folder, rows, {"command": args.command, "eval_episodes": args.eval_episodes})
-    learning_curve_figure(folder, {name: summary[name]["return"].mean for name in LAWS})
+    history = runs.read_evaluations(folder)
+    curve = history["timesteps"], history["results"].mean(axis=1)
+    panel = Panel({config.algo: [curve]}, {name: summary[name]["return"].mean for name in LAWS})
+    learning_curves_figure({config.env_id: panel}, folder / "figure.png", ("environment steps",))
     print_markdown(tables)
     print(f"written to {folder}")
     return 0

@@ -11,9 +11,7 @@ from agents.environments import INTERFACE, OF_LAWS, Keywords
 from agents.laws.baselines import make_baseline
 from agents.laws.table import LAWS
 from agents.learning import runs
-from agents.policies import shipped
 from agents.policies.saved_models import read_model
-from agents.policies.shipped import Description, ShippedPolicy
 from agents.torque_laws import Controller
 
 SEARCH_AROUND = "receding-horizon:"
@@ -46,52 +44,47 @@ class NamedController:
     @property
     def folder(self) -> Path:
         """Folder of a trained policy."""
-        return shipped.SHIPPED / self.base if self.base in shipped.available() else Path(self.base)
+        return runs.folder_of(self.base)
+
+    @property
+    def resolved(self) -> str:
+        """Spec that names the same controller from any working directory."""
+        named = self.base in LAWS or self.base in runs.shipped()
+        return self.spec if named else self.spec.removesuffix(self.base) + str(self.folder.resolve())
+
+    @property
+    def _is_model(self) -> bool:
+        return self.base.endswith(".zip")
 
     def load(self, env: gymnasium.Env) -> Controller:
         """Make the controller for `env`."""
         controller: Controller
         if self.base in LAWS:
             controller = make_baseline(self.base, env)
-        elif self._is_model:
-            controller = read_model(self.base)
-            controller.check(env)
         else:
-            controller = policy = self.policy()
-            policy.check(env)
+            controller = read_model(self.base) if self._is_model else runs.best_policy(self.base)
+            if training := self.training():
+                runs.check(training, env)
+            controller.check(env)
         return RecedingHorizon(env, controller) if self.spec != self.base else controller
-
-    def policy(self) -> ShippedPolicy:
-        """Read a trained policy."""
-        if (self.folder / runs.CONFIG).is_file():
-            return runs.best_policy(self.folder)
-        if not (self.folder / shipped.DESCRIPTION).is_file():
-            known = ", ".join((*LAWS, *shipped.available()))
-            raise FileNotFoundError(
-                f"no controller {self.base!r}: it is no run folder of train.py, no model.zip, and none of {known}"
-            )
-        return shipped.load_shipped(self.folder.resolve())
-
-    @property
-    def _is_model(self) -> bool:
-        return self.base.endswith(".zip")
 
     def files(self) -> list[Path]:
         """List the files that determine a trained controller; none for a law."""
-        if self.base in LAWS or self._is_model:
-            return [Path(self.base)] if self._is_model else []
-        names = (runs.CONFIG, runs.BEST, shipped.ARRAYS, shipped.DESCRIPTION)
-        return [self.folder / name for name in names if (self.folder / name).is_file()]
+        if self.base in LAWS:
+            return []
+        files = [Path(self.base)] if self._is_model else [self.folder / runs.CONFIG, self.folder / runs.BEST]
+        return [path for path in files if path.is_file()]
 
-    def training(self) -> Description | None:
+    def training(self) -> runs.Configuration | None:
         """Read the record of the training; None for a law, and for a saved model, which has none."""
-        return None if self.base in LAWS or self._is_model else self.policy().description
-
-    @property
-    def resolved(self) -> str:
-        """Spec that names the same controller from any working directory."""
-        named = self.base in LAWS or self.base in shipped.available()
-        return self.spec if named else self.spec.removesuffix(self.base) + str(self.folder.resolve())
+        if self.base in LAWS or self._is_model:
+            return None
+        if not (self.folder / runs.CONFIG).is_file():
+            known = ", ".join((*LAWS, *runs.shipped()))
+            raise FileNotFoundError(
+                f"no controller {self.base!r}: it is no run folder of train.py, no model.zip, and none of {known}"
+            )
+        return runs.read_config(self.folder)
 
     def interface(self) -> Keywords:
         """Return the environment keywords, of the training or of laws, that say what is observed and done."""

@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
 
 import gymnasium
@@ -13,30 +13,14 @@ from rich.console import Console
 
 from agents.comparison.controllers import NamedController, parse_controller, parse_controllers
 from agents.comparison.report import Row
-from agents.configs import CONFIGS
-from agents.environments import DEFAULT_ENV_ID, INTERFACE, MODEL, Keywords, episode_seeds, make_env, with_sampling
-from agents.laws.baselines import is_tuned, make_baseline
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, Keywords, episode_seeds, make_env, with_sampling
+from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
-from agents.policies import shipped
-from agents.rollout import Figures, are_figures, run_episode
+from agents.rollout import Figures, run_episode
 from agents.torque_laws import Controller, LawParameters
-from solar_env.environment.registration import DEPLOY_RANDOMISED_V1, DEPLOY_V1
-from solar_env.support.campaigns import Campaign, Cell, each_done
+from solar_env.support.campaigns import Cell, each_done
 from solar_env.support.progress import counting_bar
-
-STORE = "episodes.jsonl"
-"""Name of a file that keeps the figures of finished episodes."""
-# Name -> environment id of the scenario.
-SUITES = {"paper": DEPLOY_V1, "robust": DEPLOY_RANDOMISED_V1}
-
-
-def suite_controllers(env_id: str) -> list[str]:
-    """List the passive deployment, and the laws and shipped policies that are for a scenario and the suites' model."""
-    tuned = [name for name in TUNABLE if is_tuned(name, env_id, MODEL["model"])]
-    trained = {name: shipped.load_shipped(name).description for name in shipped.available()}
-    here = (env_id, MODEL["model"])
-    return ["passive", *tuned, *(name for name, of in trained.items() if (of.env_id, of.env_kwargs["model"]) == here)]
 
 
 def evaluate(
@@ -47,7 +31,6 @@ def evaluate(
     env_kwargs: Mapping[str, object] | None = None,
     progress: bool = True,
     workers: int = 1,
-    store: Path | None = None,
 ) -> list[Row]:
     """Run every controller on the same evaluation episodes.
 
@@ -58,7 +41,8 @@ def evaluate(
         seed: Chooses the block of evaluation seeds.
         env_id, env_kwargs: Environment; without "randomize", that of `with_sampling`. The observation and the action
             that a policy was trained with take precedence for it.
-        progress, workers, store: As for `run_cells`.
+        progress: Show a progress bar.
+        workers: Processes to run the episodes on.
 
     Returns:
         One row per controller and episode: controller, spec, episode, and the figures of `run_episode`.
@@ -81,7 +65,7 @@ def evaluate(
         for controller, interface in interfaces.items()
         for episode_seed in seeds
     ]
-    figures = run_cells(cells, workers, store, progress)
+    figures = run_cells(cells, workers, progress)
     return [{**label, **figure} for label, figure in zip(labels, figures, strict=True)]
 
 
@@ -118,36 +102,14 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
     return make_env(env_id, json.loads(keywords))
 
 
-def run_cells(
-    cells: Sequence[Cell], workers: int = 1, store: Path | None = None, progress: bool = True
-) -> list[Figures]:
-    """Run cells and return their figures, in their order; of cells that are alike one is run.
-
-    Args:
-        cells: Episodes to run.
-        workers: Processes to run them on.
-        store: File that keeps the figures, so that an interrupted evaluation goes on; None: no file.
-        progress: Show a progress bar.
-
-    Raises:
-        ValueError: The file was written by other code or with other baselines, or is damaged.
-    """
+def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) -> list[Figures]:
+    """Run cells on so many processes and return their figures, in their order; of cells that are alike one is run."""
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
-    different = dict(zip(keys, cells, strict=True))
+    different, done = dict(zip(keys, cells, strict=True)), dict[str, Figures]()
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
-        task = bar.add_task("episodes", total=len(different))
-        if store is None:
-            done: dict[str, Figures] = {}
-            for cell, figures in each_done(run_cell, different.values(), workers):
-                done[json.dumps(cell, sort_keys=True)] = figures
-                bar.advance(task)
-        else:
-            made_by = {"agents": _agents_digest()}
-            campaign = Campaign(run_cell, tuple(different.values()), store, made_by, are_figures)
-            bar.advance(task, len(different) - len(campaign.missing))
-            for _ in campaign.run(workers):
-                bar.advance(task)
-            done = dict(zip(different, campaign.results(), strict=True))
+        ran = each_done(run_cell, different.values(), workers)
+        for cell, figures in bar.track(ran, total=len(different), description="episodes"):
+            done[json.dumps(cell, sort_keys=True)] = figures
     return [done[key] for key in keys]
 
 
@@ -164,14 +126,6 @@ def mean_returns(
     cells = [{**law, "parameters": asdict(parameters), "seed": seed} for parameters in candidates for seed in seeds]
     returns = [figures["return"] for figures in run_cells(cells, workers, progress=False)]
     return np.reshape(returns, (len(candidates), len(seeds))).mean(axis=1).tolist()
-
-
-@cache
-def _agents_digest() -> str:
-    """Hash the code and the laws' parameters; hyperparameters are left out, as they change no trained policy."""
-    code = sorted(Path(__file__).parents[1].rglob("*.py"))
-    tuned = [path for name in TUNABLE if (path := CONFIGS / f"{name}.json").exists()]
-    return _digest([*code, *tuned])
 
 
 def _digest(paths: Sequence[Path]) -> str:

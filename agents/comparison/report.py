@@ -24,11 +24,8 @@ TABLE: dict[str, tuple[str, float]] = {
     "peak_postlock_force_N": ("peak post-lock force [N]", 1.0),
     "peak_prelatch_force_N": ("peak force before latching [N]", 1.0),
     "sliding_work_J": ("sliding work [mJ]", 1e3),
-    "postlock_impulse_Ns": ("post-lock impulse [N s]", 1.0),
-    "postlock_sliding_work_J": ("post-lock sliding work [mJ]", 1e3),
     "wear_depth_max_m": ("largest wear depth [1e-15 m]", 1e15),
     "latch_times_s": ("last latch [s]", 1.0),
-    "motor_work_J": ("motor work [J]", 1.0),
 }
 TABLES = "comparison.md"  # of an evaluation
 HIGHER_IS_BETTER = frozenset({"return", "v1_return"})
@@ -39,28 +36,22 @@ Summary = dict[str, Entry]
 
 
 def summarize(rows: Sequence[Row]) -> Summary:
-    """Summarize by controller: latched fraction, an estimate of every figure of `TABLE`, comparisons with `references`.
+    """Summarize by controller: latched fraction, an estimate of every figure of `TABLE`, comparison with `reference`.
 
-    A comparison consists of paired differences over episodes with the same seed, and the probability of a higher
-    return.
+    The comparison consists of the difference of the return over episodes with the same seed, "above", and the
+    probability of a higher one, "better".
     """
     by_run: dict[str, dict[str, list[Row]]] = {}
     for row in sorted(rows, key=lambda row: row["episode"]):
         by_run.setdefault(row["controller"], {}).setdefault(row["spec"], []).append(row)
-    compared_with = references(rows)
+    base = _values(by_run[reference(rows)], "return")
     summary: Summary = {}
     for name in dict.fromkeys(row["controller"] for row in rows):
         mine = [row for run in by_run[name].values() for row in run]
         entry: Entry = {"runs": len(by_run[name]), "latched": sum(r["latched"] for r in mine) / len(mine)}
-        for figure in (figure for figure in TABLE if figure in mine[0]):
-            values = _values(by_run[name], figure)
-            entry[figure] = estimate(values)
-            for reference in compared_with:
-                base = _values(by_run[reference], figure)
-                entry[f"{figure} - {reference}"] = difference(values, base)
-                if figure == "return":
-                    entry[f"better than {reference}"] = improvement(values, base)
-        summary[name] = entry
+        entry |= {figure: estimate(_values(by_run[name], figure)) for figure in TABLE if figure in mine[0]}
+        returns = _values(by_run[name], "return")
+        summary[name] = entry | {"above": difference(returns, base), "better": improvement(returns, base)}
     return summary
 
 
@@ -69,50 +60,42 @@ def _values(by_run: Mapping[str, Sequence[Row]], figure: str) -> list[np.ndarray
     return [np.array([row[figure] for row in run]) for run in by_run.values()]
 
 
-def references(rows: Sequence[Row]) -> list[str]:
-    """List the controllers to compare the others with: the first one, and the baseline with the highest mean return."""
-    names = list(dict.fromkeys(row["controller"] for row in rows))
+def reference(rows: Sequence[Row]) -> str:
+    """Name the controller to compare the others with: the law with the highest mean return, else the first one."""
     returns = {
         name: float(interquartile_mean(np.array([row["return"] for row in rows if row["controller"] == name])))
         for name in dict.fromkeys(row["controller"] for row in rows if row["spec"] in LAWS)
     }
-    best = max(returns, key=returns.__getitem__, default=names[0])
-    return list(dict.fromkeys([names[0], best]))
+    return max(returns, key=returns.__getitem__, default=rows[0]["controller"])
 
 
 def tabulate(rows: Sequence[Row], summary: Summary | None = None) -> str:
-    """Write the comparison, by default its `summarize`, as tables in Markdown, with an explanation of the numbers."""
+    """Write the comparison, by default its `summarize`, as a table in Markdown, with an explanation of the numbers."""
     summary = summarize(rows) if summary is None else summary
-    names = list(summary)
-    figures = [figure for figure in TABLE if figure in summary[names[0]]]
-    head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
+    figures = [figure for figure in TABLE if figure in next(iter(summary.values()))]
+    other = reference(rows)
+    head = ["controller", "latched", *(TABLE[figure][0] for figure in figures), f"return above {other}", "better in"]
     lines = []
     for name, entry in summary.items():
         label = f"{name} ({entry['runs']} runs)" if entry["runs"] > 1 else name
-        lines.append([label, f"{entry['latched']:.0%}", *(_cell(entry[figure], figure) for figure in figures)])
-    parts = [
+        compared = [with_interval(entry["above"], "{:.3g}"), with_interval(entry["better"], "{:.0%}")]
+        cells = [*(_cell(entry[figure], figure) for figure in figures), *(["", ""] if name == other else compared)]
+        lines.append([label, f"{entry['latched']:.0%}", *cells])
+    told = (
         f"Interquartile mean over evaluation episodes ({len({row['episode'] for row in rows})}), the same for every "
         f"controller, with a 95 % bootstrap interval from {FEWEST} values on, and the worst episode. Post-lock figures "
-        "are those of deployments that latched.",
-        markdown_table(head, lines),
-    ]
-    for reference in references(rows) if len(names) > 1 else []:
-        lines = []
-        for name in (name for name in names if name != reference):
-            cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
-            lines.append([name, *cells, with_interval(summary[name][f"better than {reference}"], "{:.0%}")])
-        told = f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:"
-        parts += [told, markdown_table(["controller", *head[2:], "better in"], lines)]
-    return "\n\n".join(parts) + "\n"
+        f"are those of deployments that latched. The return is compared with that of {other} episode by episode."
+    )
+    return f"{told}\n\n{markdown_table(head, lines)}\n"
 
 
-def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
+def _cell(value: Estimate, figure: str) -> str:
     if value.count == 0:
         return "-"
     factor = TABLE[figure][1]
     text = with_interval(value, "{:.4g}", factor)
     extreme = value.minimum if figure in HIGHER_IS_BETTER else value.maximum
-    return text + (f"; worst {extreme * factor:.4g}" if worst and value.count > 1 else "")
+    return text + (f"; worst {extreme * factor:.4g}" if value.count > 1 else "")
 
 
 def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
@@ -124,7 +107,7 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
 
 
 def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, object]) -> tuple[Summary, str]:
-    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables."""
+    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and table."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
     make_folder(folder)
     write_table(folder / "episodes.csv", [dict.fromkeys(columns, "") | row for row in rows], {})

@@ -1,4 +1,4 @@
-"""The table of controllers without learning; tuning, evaluation, suites and help texts follow it."""
+"""The table of controllers without learning; tuning, evaluation and help texts follow it."""
 
 from typing import Any
 

@@ -7,15 +7,18 @@ from dataclasses import asdict, dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 
 from agents.environments import NAMESPACE, Keywords, environment_settings, episode_seeds, with_sampling
+from agents.policies.network import PolicyNetwork
 from agents.policies.saved_models import read_model
-from agents.policies.shipped import UNITS, Description, ShippedPolicy
+from agents.torque_laws import Signals
 from solar_env.support.files import make_folder, write_text
 from solar_env.support.plain_arrays import read_arrays, read_json
 from solar_env.support.values import check_types
 
+SHIPPED = Path(__file__).parents[1] / "policies"  # folders of the policies that come with the package
 LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions a run depends on, beside those of all
 CONFIG = "config.json"
 BEST, LAST = "best_model.zip", "last_model.zip"  # of Stable-Baselines3: best in validation, and of the last validation
@@ -122,27 +125,37 @@ def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
     return arrays
 
 
-def best_policy(folder: str | Path) -> ShippedPolicy:
-    """Read the best policy of the run in `folder`.
+def shipped() -> list[str]:
+    """List the names of the policies that come with this package."""
+    return sorted(path.parent.name for path in SHIPPED.glob(f"*/{CONFIG}"))
+
+
+def folder_of(name: str | Path) -> Path:
+    """Return the folder of the policy `name` of this package, or else the folder `name`."""
+    return SHIPPED / name if str(name) in shipped() else Path(name)
+
+
+def best_policy(name: str | Path) -> PolicyNetwork:
+    """Read the best policy of a run, by its folder, or one of this package, by its name.
 
     Raises:
         FileNotFoundError: There is no run, or it was interrupted before its first validation.
         ValueError: A file is not whole; the message names it.
     """
-    config, path = read_config(folder), Path(folder) / BEST
-    if not path.is_file():
+    read_config(folder := folder_of(name))
+    if not (folder / BEST).is_file():
         raise FileNotFoundError(f"{folder} has no policy; the run ended before its first validation, resume it")
-    network, settings = read_model(path), environment_settings(config.env_id, config.env_kwargs)
-    description = Description(
-        algorithm=config.algo,
-        **{name: getattr(network, name) for name in ("observation_limit", "activation", "output", "mean_limit")},
-        training_steps=config.timesteps,
-        env_id=config.env_id,
-        env_kwargs=config.env_kwargs,
-        observation_names=tuple(settings.observation_names),
-        **{name: getattr(settings.task, name) for name in UNITS},
-    )
-    return ShippedPolicy(network, description)
+    return read_model(folder / BEST)
+
+
+def check(config: Configuration, env: gymnasium.Env) -> None:
+    """Refuse an environment whose observations or actions have another meaning than those of a training.
+
+    Raises:
+        ValueError: As `Signals.check`.
+    """
+    trained = Signals.of(environment_settings(config.env_id, config.env_kwargs))
+    trained.check(env, f"{config.env_id} with {config.env_kwargs}")
 
 
 def jsonable(mapping: Mapping[str, object]) -> Keywords:

@@ -16,7 +16,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from agents.environments import episode_seeds
 from agents.learning import runs
-from agents.learning.vec_env import FixedSeeds, NativeVecEnv
+from agents.learning.vec_env import NativeVecEnv
 from agents.learning.weight_search import CMAES
 from solar_env.support.files import write_bytes
 
@@ -54,7 +54,7 @@ def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bo
     torch.set_num_threads(1)  # small networks: more threads only contend
     first = episode_seeds("validation", config.seed, 1)[0]
     env = VecMonitor(NativeVecEnv(config.n_envs, config.env_id, config.env_kwargs))
-    judged = VecMonitor(FixedSeeds(NativeVecEnv(EPISODES, config.env_id, config.env_kwargs), first))
+    judged = VecMonitor(NativeVecEnv(EPISODES, config.env_id, config.env_kwargs, first))
     with closing(env), closing(judged):
         model = make_model(config, env, tensorboard_log=str(folder))
         every = max(timesteps // (VALIDATIONS * config.n_envs), 1)

@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers.vector import DictInfoToList
-from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
+from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from agents.environments import DEFAULT_ENV_ID, make_vector_env
@@ -25,11 +25,18 @@ class NativeVecEnv(VecEnv):
         num_envs: Number of lanes.
         env_id: Environment id.
         env_kwargs: Keywords of the vector environment, such as `num_threads` and those of the single one.
+        first_seed: Seed of lane 0, to which the others add their number, of every reset: the same episodes again and
+            again; None: seeds are those of the algorithm.
     """
 
     def __init__(
-        self, num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None
+        self,
+        num_envs: int,
+        env_id: str = DEFAULT_ENV_ID,
+        env_kwargs: Mapping[str, object] | None = None,
+        first_seed: int | None = None,
     ) -> None:
+        self._first_seed = first_seed
         keywords = {**(env_kwargs or {}), "autoreset_mode": AutoresetMode.SAME_STEP}
         self.env: Any = make_vector_env(num_envs, env_id, keywords)
         self._with_lists = DictInfoToList(self.env)
@@ -38,7 +45,9 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes with the seeds set before, which are used once."""
+        """Begin new episodes with the seeds set before, which are used once, or those of every reset."""
+        if self._first_seed is not None:
+            self.seed(self._first_seed)
         seeds: Any = self._seeds
         observations, infos = self._with_lists.reset(seed=seeds)
         self.reset_infos = list(infos)
@@ -90,23 +99,3 @@ class NativeVecEnv(VecEnv):
     def env_is_wrapped(self, wrapper_class: type[gymnasium.Wrapper], indices: VecEnvIndices = None) -> list[bool]:
         """Return False for every lane: lanes have no wrappers."""
         return [False for _ in self._get_indices(indices)]
-
-
-class FixedSeeds(VecEnvWrapper):
-    """Begins every reset with the same seeds, so that every evaluation has the same episodes.
-
-    Lane 0 has the seed `first`, the others the following ones.
-    """
-
-    def __init__(self, venv: VecEnv, first: int) -> None:
-        super().__init__(venv)
-        self._first = first
-
-    def reset(self) -> VecEnvObs:
-        """Begin the fixed episodes."""
-        self.venv.seed(self._first)
-        return self.venv.reset()
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Return the step of the environment."""
-        return self.venv.step_wait()

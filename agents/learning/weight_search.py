@@ -35,7 +35,7 @@ class CMAES(ARS):
         policy, env: See `stable_baselines3.common.base_class.BaseAlgorithm`. As many environments as candidates waste
             no time.
         population: Candidates of a generation.
-        deviation: Standard deviation of every weight in the first generation.
+        deviation: Standard deviation of every weight in the first generation; 0.3, or 0.05 around a `start`.
         start: Model of Stable-Baselines3 (.zip) to begin with.
         policy_kwargs: Of the policy.
         keywords: See `sb3_contrib.ARS`.
@@ -49,12 +49,12 @@ class CMAES(ARS):
         policy: str,
         env: VecEnv,
         population: int = 16,
-        deviation: float = 0.3,
+        deviation: float | None = None,
         start: str | None = None,
         policy_kwargs: dict[str, Any] | None = None,
         **keywords: Any,
     ) -> None:
-        self.population, self.deviation = population, deviation
+        self.population, self.deviation = population, deviation or (0.05 if start else 0.3)
         self._start = read_model(Path(start)) if start else None
         of_policy: dict[str, Any] = {"net_arch": []}
         if self._start:

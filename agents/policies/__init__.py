@@ -1,5 +1,4 @@
-"""Trained policies: the network as plain arrays, its ONNX and C forms, its card, and the files.
+"""Trained policies: run folders that come with the package, networks as plain arrays, and their ONNX form.
 
-Imports `agents.torque_laws` and the environment's settings; `network` and `shipped` run without PyTorch.
-To add a policy: `solar-env export RUN --out agents/policies/NAME` writes its folder.
+To add a policy: copy `config.json` and `best_model.zip` of its run to a folder `agents/policies/NAME`, with a card.
 """

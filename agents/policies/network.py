@@ -27,18 +27,16 @@ class PolicyNetwork(DeterministicController):
 
     Attributes:
         layers: Layers from the observation to the mean of the action.
-        observation_limit: Bound to which the entries of an observation are clipped, in either direction.
         activation: Function between the layers: relu or tanh.
         output: Function that maps the mean to an action in [-1, 1]: clip or tanh.
         mean_limit: Bound to which the mean is clipped before that; None: no bound.
 
     Raises:
         ValueError: On construction; a layer does not fit the one before it, holds something else than finite numbers
-            of single precision, or a name or limit is unknown. The message names the layer and the value.
+            of single precision, or a name is unknown. The message names the layer and the value.
     """
 
     layers: tuple[Layer, ...]
-    observation_limit: float
     activation: str
     output: str
     mean_limit: float | None = None
@@ -47,9 +45,6 @@ class PolicyNetwork(DeterministicController):
         for name, allowed in (("activation", ACTIVATIONS), ("output", OUTPUTS)):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; choose from {', '.join(allowed)}")
-        for name in ("observation_limit", "mean_limit"):
-            if (limit := getattr(self, name)) is not None and not 0.0 < limit < np.inf:
-                raise ValueError(f"{name} is {limit!r}; give a positive finite number")
         before = None
         for number, (weights, biases) in enumerate(self.layers, start=1):
             if {weights.dtype, biases.dtype} != {np.dtype(np.float32)}:
@@ -101,7 +96,7 @@ class PolicyNetwork(DeterministicController):
 
     def _action(self, observation: np.ndarray) -> np.ndarray:
         """Action (outputs,) of an observation (inputs,)."""
-        values = np.clip(observation, -self.observation_limit, self.observation_limit)
+        values = observation
         for layer in self.layers[:-1]:
             values = layer.weights @ values + layer.biases
             values = np.tanh(values) if self.activation == "tanh" else np.maximum(values, np.float32(0.0))

@@ -1,7 +1,6 @@
-"""The network of a policy as an ONNX model, and the parity of the two."""
+"""The network of a policy as an ONNX model."""
 
 import numpy as np
-import onnxruntime
 from onnx import ModelProto, NodeProto, TensorProto, checker, helper, numpy_helper
 
 from agents.policies.network import PolicyNetwork
@@ -26,7 +25,7 @@ def onnx_model(network: PolicyNetwork) -> ModelProto:
     def clip(values: str, output: str, limit: float) -> str:
         return node("Clip", values, output, -limit, limit)
 
-    values = clip("observation", "clipped", network.observation_limit)
+    values = "observation"
     for number, layer in enumerate(network.layers, start=1):
         values = node("Gemm", values, f"sum_{number}", *layer, transB=1)
         if number < len(network.layers):
@@ -48,10 +47,3 @@ def onnx_model(network: PolicyNetwork) -> ModelProto:
     model = helper.make_model(graph, opset_imports=opsets, ir_version=IR_VERSION, producer_name="solar-env")
     checker.check_model(model, full_check=True)
     return model
-
-
-def difference(network: PolicyNetwork, onnx_bytes: bytes, observations: np.ndarray) -> float:
-    """Return the greatest difference of the actions of the ONNX form from the network's, over observations (n, ...)."""
-    session = onnxruntime.InferenceSession(onnx_bytes)
-    (actions,) = session.run(["action"], {"observation": observations})
-    return float(np.max(np.abs(actions - network.act(observations))))

@@ -11,7 +11,6 @@ import torch
 
 from agents.policies.network import Layer, PolicyNetwork
 
-UNLIMITED = 1e6  # above whatever is observed
 _MOST_BYTES = 2**28
 
 
@@ -79,7 +78,6 @@ def _network(parameters: dict[str, np.ndarray], settings: dict[str, Any]) -> Pol
     squashed = given.get("squash_output", architecture.output == "tanh") and not bare
     return PolicyNetwork(
         tuple(_layer(acting, stem) for stem in layers),
-        observation_limit=UNLIMITED,
         activation=_activation(given, architecture.activation),
         output="tanh" if squashed else "clip",
         # SAC with state-dependent exploration keeps the mean away from where tanh is flat.

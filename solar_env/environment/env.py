@@ -55,8 +55,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     more need a greater `rate_loop_gain`. After the last latching the drive alone brings the array to
     rest: it asks for a rate of 0, and the step in which the array latches lasts until the episode ends.
 
-    With `action="torque"` an action is the motor's torque in units of the limit, positive opens; with `action="rate"`
-    it is the setpoint 5e-4 sinh(7 a) rad/s, up to 0.27 either way.
+    With `action="torque"` an action is the motor's torque in units of the limit, positive opens.
 
     ## Observation Space
 
@@ -72,9 +71,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
       `time_to_deadline`, `time_since_latch`.
     * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
       (`theta_1_1_ago`, ...); before the first step they are the first ones.
-    * "landing" has features with which a linear function deploys and lands the array, as a setpoint of
-      `action="rate"`: of the way there (`far_...`), of the landing (`near_...`) and of what follows the last latch,
-      apart, so that a change of one leaves the others as they are.
     * "privileged" extends "drive" by what only a simulator knows, for analysis and bounds: `eccentricity_x_i`,
       `eccentricity_y_i` (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
 

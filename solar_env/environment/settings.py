@@ -40,7 +40,7 @@ class EnvironmentSettings:
         version: of the task, which all that follows has its defaults from: its limits and times, what is observed and
             what an action is, the drive's loop and the prices of the reward.
         torque_limit, control_period, deadline, settling_window, driven_joint, action: see `task.task.Task`.
-        observation: "scaled", "drive", "history", "landing" or "privileged", or names of observables, such as
+        observation: "scaled", "drive", "history" or "privileged", or names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
             of the four in a list stands for all that it has.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound", which changes the
@@ -177,7 +177,7 @@ class EnvironmentSettings:
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
         lock_angles = [joint.lock_angle for joint in self.array.joints]
-        return Sensors(lanes, lock_angles, self.entries, self.devices, self.task.deadline)
+        return Sensors(lanes, lock_angles, self.entries, self.devices)
 
     def observation_space(self) -> gymnasium.Space[Any]:
         """Space of one observation."""

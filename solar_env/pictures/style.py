@@ -86,6 +86,8 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "sac": _look(VIOLET, "X"),
     "cma-es": _look("#2ab7a9", "H"),
     "ars": _look("#9aa300", "1"),
+    "tqc": _look("#8c564b", "p"),
+    "refined": _look("#d6278a", "D"),
 }
 # Classes of cells in stability maps, in the order of a legend. After P. Tol, "Colour schemes", SRON technical note 2021
 # (muted): told apart by colour-blind readers.
@@ -120,7 +122,7 @@ def look_of(name: str, looks: Mapping[str, Look]) -> Look:
 def controller_looks(names: Sequence[str]) -> dict[str, Look]:
     """Looks of the controllers of one figure.
 
-    A controller has its row of `CONTROLLER_LOOKS`, a shipped policy ("cma-es-nominal") the row of its algorithm, a
+    A controller has its row of `CONTROLLER_LOOKS`, one that is named after another ("cma-es-rigid") the row of that, a
     search around another controller ("receding-horizon:servo") that of the search; when that is taken, and for training
     runs under other names, the next of some spare looks.
     """

@@ -48,27 +48,6 @@ def writing(path: str | Path) -> Iterator[IO[bytes]]:
     _sync_folder(target.parent)
 
 
-@contextmanager
-def new_folder(path: str | Path) -> Iterator[Path]:
-    """Make a folder, to be filled, that becomes `path` when the block ends without an exception: whole or not at all.
-
-    Raises:
-        OSError: it cannot be made, or there is something at `path`.
-    """
-    target = Path(path)
-    make_folder(target.parent)
-    beside = _unfinished(target)
-    try:
-        beside.mkdir()
-        yield beside
-        _sync_folder(beside)
-        beside.rename(target)
-    except BaseException:
-        shutil.rmtree(beside, ignore_errors=True)
-        raise
-    _sync_folder(target.parent)
-
-
 def _unfinished(target: Path) -> Path:
     return target.with_name(f".{secrets.token_hex(8)}{PART}")
 

@@ -23,7 +23,12 @@ from solar_env.environment.registration import DEPLOY_V1
     ],
 )
 def test_a_copy_goes_on_as_the_original_and_tells_the_same(model, copied):
-    keywords = {"parameters": STRONG, "settling_window": 0.5, "randomize": RANGES, "observation": ["drive", "landing"]}
+    keywords = {
+        "parameters": STRONG,
+        "settling_window": 0.5,
+        "randomize": RANGES,
+        "observation": ["drive", "distance", "speed"],
+    }
     env = make_vector(3, model=model, **keywords).unwrapped
     env.reset(seed=1)
     actions = random_actions(45, 3)

@@ -13,8 +13,8 @@ import pytest
 
 import solar_env  # noqa: F401 (registers the environments)
 from agents.environments import make_env
-from agents.policies.shipped import load_shipped
-from solar_env.environment.registration import DEPLOY, DEPLOY_V1
+from agents.learning import runs
+from solar_env.environment.registration import DEPLOY
 
 ROOT = Path(__file__).resolve().parents[2]
 ZOO = ROOT / "agents" / "configs" / "rl-zoo3" / "ppo.yml"
@@ -66,16 +66,14 @@ def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
 def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
     minari = pytest.importorskip("minari")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
-    policy = load_shipped("cma-es-nominal")
-    keywords = {**policy.description.env_kwargs, "model": "rigid-ideal"}
-    env = minari.DataCollector(make_env(DEPLOY_V1, keywords))
-    policy.check(env)
+    policy, keywords = runs.best_policy("rigid"), runs.read_config(runs.folder_of("rigid")).env_kwargs
+    env = minari.DataCollector(make_env(DEPLOY, {**keywords, "model": "rigid-ideal"}))
     observation, _ = env.reset(seed=0)
     total, ended = 0.0, False
     while not ended:
         observation, reward, ended, _, _ = env.step(policy.predict(observation)[0])
         total += reward
-    dataset = env.create_dataset("solar-array/cma-es-nominal-v0", algorithm_name="cma-es-nominal")
+    dataset = env.create_dataset("solar-array/rigid-v0", algorithm_name="rigid")
     episode = next(dataset.iterate_episodes())
     assert episode.rewards.sum() == pytest.approx(total, rel=1e-12)
     assert episode.observations.shape == (len(episode.actions) + 1, *env.observation_space.shape)

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 import agents
+from agents.commands.studies.learning import LENGTHS
 from solar_env.pictures import style
 from solar_env.studies.common.motion import Level
 from solar_env.studies.common.plans import FULL, QUICK
@@ -33,12 +34,12 @@ def test_every_level_that_is_measured_has_its_look():
 
 def test_every_controller_and_algorithm_that_is_configured_has_its_look():
     configured = {path.stem for path in (Path(agents.__file__).parent / "configs").glob("*.json")}
-    assert configured <= set(style.CONTROLLER_LOOKS)
+    assert configured | set(LENGTHS) <= set(style.CONTROLLER_LOOKS)
 
 
 def test_a_controller_looks_the_same_whatever_stands_beside_it():
-    few = style.controller_looks(["servo", "cma-es-nominal"])
-    many = style.controller_looks(["passive", "runs/first", "cma-es-nominal", "damper", "servo"])
+    few = style.controller_looks(["servo", "cma-es-rigid"])
+    many = style.controller_looks(["passive", "runs/first", "cma-es-rigid", "damper", "servo"])
     assert all(few[name] == many[name] for name in few)
 
 

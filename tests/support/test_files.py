@@ -122,36 +122,6 @@ def test_an_exception_while_writing_leaves_nothing_behind(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_appears_when_it_is_whole(tmp_path):
-    with files.new_folder(tmp_path / "above" / "new") as folder:
-        files.write_text(folder / "table.csv", "whole")
-        assert [path.name for path in (tmp_path / "above").iterdir()] == [folder.name]
-        assert folder.name.endswith(files.PART)
-    assert [path.name for path in (tmp_path / "above").iterdir()] == ["new"]
-    assert (tmp_path / "above" / "new" / "table.csv").read_text() == "whole"
-
-
-@pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError])
-def test_a_folder_that_was_interrupted_leaves_nothing_behind(tmp_path, fault):
-    def fill():
-        with files.new_folder(tmp_path / "new") as folder:
-            files.write_text(folder / "table.csv", "half")
-            raise fault
-
-    with pytest.raises(fault):
-        fill()
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_with_files_is_not_replaced_by_a_new_one(tmp_path):
-    (tmp_path / "old").mkdir()
-    files.write_text(tmp_path / "old" / "table.csv", "before")
-    with pytest.raises(OSError, match="old"), files.new_folder(tmp_path / "old") as folder:
-        files.write_text(folder / "table.csv", "after")
-    assert [path.name for path in tmp_path.iterdir()] == ["old"]
-    assert (tmp_path / "old" / "table.csv").read_text() == "before"
-
-
 OUTPUTS = {
     **{f"study {name}": ["--out", "{}"] for name in ("precision", "stability", "paper", "throughput", "figures")},
     "design": ["--out", "{}"],

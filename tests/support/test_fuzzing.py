@@ -7,12 +7,10 @@ import random
 import warnings
 
 import gymnasium
-import numpy as np
 import pytest
 from stable_baselines3 import PPO
 
 from agents.learning import runs
-from agents.policies import shipped
 from agents.policies.saved_models import read_model
 from solar_env.array import ArrayParameters, read_parameters
 from solar_env.array.deployment import simulate
@@ -27,16 +25,6 @@ from solar_env.support.plain_arrays import parse_json
 
 RUN = {"algo": "ppo", "env_id": DEPLOY_V1, "env_kwargs": {}, "seed": 0, "n_envs": 1, "timesteps": 9}
 RUN |= {"hyperparameters": {}, "versions": {}, "command": ""}
-POLICY = shipped.SHIPPED / shipped.available()[0]
-POLICY_FILES, SPLIT = (shipped.DESCRIPTION, shipped.ARRAYS), b"\n---\n"
-
-
-def read_policy(path):
-    for name, content in zip(POLICY_FILES, path.read_bytes().partition(SPLIT)[::2], strict=True):
-        (path.parent / name).write_bytes(content)
-    loaded = shipped.load_shipped(path.parent)
-    with np.errstate(all="ignore"):
-        loaded.act(np.zeros(len(loaded.description.observation_names), np.float32))
 
 
 def read_run(path):
@@ -68,7 +56,6 @@ def a_model(folder):
 # Name -> how the file is read, and what is changed.
 READERS = {
     "trajectory": (lambda path: Trajectory.load(path, most_bytes=2**20).summary(), a_trajectory),
-    "policy": (read_policy, lambda _: [SPLIT.join((POLICY / name).read_bytes() for name in POLICY_FILES)]),
     "run folder": (read_run, lambda _: [json.dumps(RUN).encode()]),
     "model": (read_model, a_model),
     "table": (

@@ -116,15 +116,6 @@ def test_the_front_page_is_short_and_leads_to_every_other_page():
     assert {page for page in TEXTS if f"]({page})" not in TEXTS["README.md"]} == {"README.md"}
 
 
-def test_the_front_page_says_that_its_figure_is_one_episode_where_it_tells_the_mean_of_the_comparison():
-    text, comparison = (" ".join(TEXTS[page].split()) for page in ("README.md", "agents/comparison/README.md"))
-    (share,) = re.findall(r"costs (\d+) % less than the soft start, the best of the tuned laws", comparison)
-    (of_servo,) = re.findall(r"It costs (\d+) % less than the servo", comparison)
-    told = f"costs {share} % less than the best tuned law and {of_servo} % less than the servo in the mean"
-    assert f"{told} over 100 episodes" in text
-    assert "Below one of these episodes" in text
-
-
 def test_a_section_is_read_and_replaced_and_a_page_without_it_refused(tmp_path):
     section = Section(tmp_path / "README.md", "result", "solar-env study throughput --readme")
     lines = "<!-- result: written by `solar-env study throughput --readme` -->\n\nold\n\n<!-- end of result -->"

@@ -23,7 +23,7 @@ from solar_env.support.progress import counting_bar
 OPTIONS = ("only", "quick", "draw", "out", "readme", "jobs")
 LAWS = ("pd", "soft-start", "servo")
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
-FIGURES = Path(__file__).parents[2] / "figures"  # for the page agents/learning/README.md
+FIGURES = Path(__file__).parents[2] / "learning" / "figures"  # for the page agents/learning/README.md
 SEEDS = (0, 1, 2, 3, 4)
 # Environments by scene, and of each algorithm the steps and the environments stepped together: a quarter of an hour of
 # a core with rigid panels, an hour with flexible ones.
@@ -34,6 +34,8 @@ SCENES: dict[str, tuple[str, Keywords]] = {
     "flexible-randomised": (DEPLOY_RANDOMISED, dict(MODEL)),
 }
 LENGTHS = {"ppo": (100_000, 1), "sac": (30_000, 1), "tqc": (30_000, 1), "ars": (150_000, 1), "cma-es": (150_000, 16)}
+REFINED, BEFORE = "refined", "ppo"  # CMA-ES over the last layer of the best policy of each run of PPO
+LENGTHS[REFINED] = (60_000, 16)
 CASES = {f"{algo}-{scene}": (algo, scene) for algo in LENGTHS for scene in SCENES}
 QUICK_TIMESTEPS = 4096  # of one seed
 EPISODES = 20  # of a law
@@ -41,13 +43,21 @@ PACE = "seconds_per_step.json"  # of a run folder, written when the run has ende
 
 
 def run(args: Args) -> int:
-    """Train agents over five seeds and draw all learning curves; finished runs are not trained again."""
+    """Train agents over five seeds and draw all learning curves; finished runs are not trained again.
+
+    Curves whose runs are not in the folder, since others trained them, stay as the table has them.
+    """
     cases = args.parts(list(CASES))
     out, figures = args.folders("learning", figures=FIGURES)
     out = out / "quick" if args.quick else out
     if not args.draw:
         _train_missing(args, cases, out)
-        write_table(figures / TABLE, list(_rows(args, out)), provenance(args.command))
+        rows = list(_rows(args, out))
+        found = {(row["scene"], row["controller"]) for row in rows}
+        before = read_table(figures / TABLE).rows if (figures / TABLE).is_file() else ()
+        rows += [dict(row) for row in before if (row["scene"], row["controller"]) not in found]
+        rows.sort(key=lambda row: list(SCENES).index(str(row["scene"])))
+        write_table(figures / TABLE, rows, provenance(args.command))
     learning_curves_figure(panels(read_table(figures / TABLE)), figures / FIGURE)
     print(f"written to {figures}")
     return 0
@@ -59,17 +69,24 @@ def _train_missing(args: Args, cases: list[str], out: Path) -> None:
         algo, scene = CASES[case]
         (timesteps, lanes), (env_id, keywords) = LENGTHS[algo], SCENES[scene]
         for seed in (0,) if args.quick else SEEDS:
-            steps = QUICK_TIMESTEPS if args.quick else timesteps
-            config = runs.Configuration(algo, env_id, keywords, seed, lanes, steps, {}, args.command)
-            wanted[out / f"{case}-{seed}"] = config
+            steps, hyperparameters = QUICK_TIMESTEPS if args.quick else timesteps, dict[str, object]()
+            if algo == REFINED:
+                start = out / f"{BEFORE}-{scene}-{seed}" / runs.BEST
+                hyperparameters = {"start": str(start)}
+            about = seed, lanes, steps, hyperparameters, args.command
+            wanted[out / f"{case}-{seed}"] = runs.Configuration(
+                "cma-es" if algo == REFINED else algo, env_id, keywords, *about
+            )
     missing = [folder for folder in wanted if not (folder / PACE).is_file()]
     for folder in missing:
         if not (folder / runs.CONFIG).is_file():
             runs.new_run_folder(folder, wanted[folder])
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         task = bar.add_task("runs", total=len(wanted), completed=len(wanted) - len(missing))
-        for _ in each_done(_train, missing, args.workers):
-            bar.advance(task)
+        for refined in (False, True):  # these begin with the others
+            folders = [folder for folder in missing if folder.name.startswith(REFINED) == refined]
+            for _ in each_done(_train, folders, args.workers):
+                bar.advance(task)
 
 
 def _train(folder: Path) -> None:
@@ -90,9 +107,12 @@ def _rows(args: Args, out: Path) -> Iterator[Row]:
         folders = [(algo, seed, out / f"{algo}-{scene}-{seed}") for algo in LENGTHS for seed in SEEDS]
         trained = [(algo, seed, folder) for algo, seed, folder in folders if (folder / PACE).is_file()]
         for algo, seed, folder in trained:
-            history, pace = runs.read_evaluations(folder), read_json(folder / PACE)
+            history, pace, steps_before, time_before = runs.read_evaluations(folder), read_json(folder / PACE), 0, 0.0
+            if algo == REFINED:
+                before = out / f"{BEFORE}-{scene}-{seed}"
+                steps_before, time_before = _steps(before), _steps(before) * read_json(before / PACE)
             for steps, value in zip(history["timesteps"].tolist(), history["results"].mean(axis=1), strict=True):
-                yield _row(scene, algo, float(value), seed, steps, pace * steps)
+                yield _row(scene, algo, float(value), seed, steps_before + steps, time_before + pace * steps)
         rows = evaluate(LAWS, EPISODES, 0, env_id, keywords, not args.quiet, args.workers) if trained else []
         for law in LAWS if trained else ():
             mean = float(np.mean([row["return"] for row in rows if row["controller"] == law]))

@@ -11,14 +11,11 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.environment.hardware import Hardware, response
-from solar_env.environment.task.task import ACTIONS, RATE, TORQUE, Task
+from solar_env.environment.task.task import ACTIONS, TORQUE, Task
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 
-# An action a of "rate" asks for a rate of SLOWEST sinh(STEEPNESS a): evenly spaced in its logarithm, and signed. The
-# fastest, 0.27 rad/s, is twice what a deployment in time takes; rates of a soft landing are a thousandth of it.
-SLOWEST, STEEPNESS = 5e-4, 7.0  # [rad/s], -
-# One of "log_rate" asks for exp(u) times the rate that opens the hinge in CRUISE of the deadline, or, where u is
+# An action of "log_rate" asks for exp(u) times the rate that opens the hinge in CRUISE of the deadline, or, where u is
 # positive, for little more than that rate. u follows REACH times the action with a lag, so that the array feels little
 # of an agent's noise, and nothing of it in the mean.
 CRUISE, REACH, LAG, HASTE = 0.8, 4.5, 5.0, 0.05  # -, -, [s], -
@@ -104,10 +101,8 @@ def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> Task
 
 
 @kernel
-def asked_rate(kind, motor, memory, action):
-    """The rate of the joint that an action in [-1, 1] asks for [rad/s]."""
-    if kind == RATE:
-        return SLOWEST * math.sinh(STEEPNESS * action)
+def asked_rate(motor, memory, action):
+    """The rate of the joint that an action of "log_rate" in [-1, 1] asks for [rad/s]."""
     memory[LOG_RATIO] += motor.lag_response * (REACH * action - memory[LOG_RATIO])
     u = memory[LOG_RATIO]
     return motor.cruise * (math.exp(u) if u < 0.0 else 1.0 + HASTE * u)
@@ -136,7 +131,7 @@ def asked_torque(model, state, task, motor, memory, action, rate_error, settling
         # From here the loop takes over after the last latching.
         memory[LOOP_TORQUE], memory[SETPOINT] = motor.torque_limit * action, rate
         return memory[LOOP_TORQUE]
-    asked = 0.0 if settling else asked_rate(task.action, motor, memory, action)
+    asked = 0.0 if settling else asked_rate(motor, memory, action)
     return loop_torque(motor, memory, asked, view.angle, rate)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from solar_env.environment.task.control import last_latch
 from solar_env.environment.task.drive import LOG_RATIO, REACH
-from solar_env.environment.task.features import FEATURES, MEASURED, Feature
+from solar_env.environment.task.features import FEATURES, Feature
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
@@ -83,12 +83,6 @@ OBSERVATIONS: dict[str, Names] = {
     "scaled": ("distance", "speed", "latched", "time", "log_setpoint"),
     "drive": _DRIVE,
     "history": (*_DRIVE, *_PAST),
-    "landing": (
-        *("far", "near"),
-        *(f"far_{quantity}" for quantity in ("opening", "time_needed", "rate")),
-        *(f"near_{quantity}" for quantity in ("distance", "rate", "deceleration", "lead", "lead_rate", "time_needed")),
-        *("settling_rate", "settling_distance"),
-    ),
     "privileged": (*_DRIVE, ("eccentricity_x", "eccentricity_y", "in_contact"), "main_body_spin"),
 }
 
@@ -146,13 +140,12 @@ _CHANNEL = [("code", "i8"), ("joint", "i8"), ("low", "f4"), ("high", "f4")]
 channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 
 
-def measured_for(entries: Sequence[Entry], joints: int) -> list[tuple[Observable, int]]:
-    """Quantities, and their joints, that are measured for entries of an observation to be shown."""
-    wanted = [(entry.observable, entry.joint) for entry in entries if isinstance(entry.observable, Observable)]
-    if len(wanted) < len(entries):
-        rows = [row for row in OBSERVABLES if row.name in MEASURED]
-        wanted += [(row, joint) for row in rows for joint in range(joints if row.by_joint else 1)]
-    return list(dict.fromkeys(wanted))
+def measured_for(entry: Entry) -> tuple[Observable, int]:
+    """The quantity, and its joint, that is measured for an entry of an observation to be shown."""
+    of = entry.observable
+    return next(
+        row for row in OBSERVABLES if row.name == (of.source if isinstance(of, Feature) else of.name)
+    ), entry.joint
 
 
 def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.task.features import MEASURED, Feature, words
+from solar_env.environment.task.features import Feature
 from solar_env.environment.task.observations import LOCK_ANGLE, Entry, channels, measured_for
 
 
@@ -31,23 +31,19 @@ class Sensors:
         observed: (lanes, entries) float32, as the controller gets them.
     """
 
-    def __init__(
-        self, lanes: int, lock_angles: Sequence[float], entries: Sequence[Entry], hardware: Hardware, deadline: float
-    ) -> None:
-        measured = measured_for(entries, len(lock_angles))
+    def __init__(self, lanes: int, lock_angles: Sequence[float], entries: Sequence[Entry], hardware: Hardware) -> None:
+        of_entries = [measured_for(entry) for entry in entries]
+        measured = list(dict.fromkeys(of_entries))
         rows, columns = [row for row, _ in measured], {pair: k for k, pair in enumerate(measured)}
         self.channels = channels(measured)
         self._low, self._high = self.channels["low"], self.channels["high"]
-        # Features stand in for nothing until they are computed.
-        self._shown, self._features = np.zeros(len(entries), dtype=np.int64), list[tuple[int, Entry, Feature]]()
-        for k, entry in enumerate(entries):
-            if isinstance(entry.observable, Feature):
-                self._features.append((k, entry, entry.observable))
-            else:
-                self._shown[k] = columns[entry.observable, entry.joint]
+        self._shown = np.array([columns[pair] for pair in of_entries])
+        self._features = [
+            (k, entry.observable, lock_angles[entry.joint])
+            for k, entry in enumerate(entries)
+            if isinstance(entry.observable, Feature)
+        ]
         self._age = np.array([entry.age for entry in entries])
-        self._sources = {name: [k for k, row in enumerate(rows) if row.name == name] for name in MEASURED}
-        self._lock_angles, self._deadline = np.array(lock_angles), deadline
         per_unit = np.array([1.0 / lock_angles[j] if row.unit == LOCK_ANGLE else 1.0 for row, j in measured])
         self._noisy = np.flatnonzero([row.noise is not None for row in rows])
         self._noise = np.array([getattr(hardware, row.noise) for row in rows if row.noise]) * per_unit[self._noisy]
@@ -95,13 +91,8 @@ class Sensors:
         """Let the controller see what was measured, now and before."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
-        readings = {}
-        for age in {entry.age for _, entry, _ in self._features}:
-            moment = past[:, age].astype(np.float64)
-            named = {name: moment[:, columns] for name, columns in self._sources.items()}
-            readings[age] = words(named, self._lock_angles, self._deadline)
-        for k, entry, feature in self._features:
-            values = feature.of(readings[entry.age])[:, entry.joint]
+        for k, feature, lock_angle in self._features:
+            values = feature.function(observed[:, k].astype(np.float64), lock_angle)
             observed[:, k] = np.clip(values, feature.low, feature.high)
         self.observed[lanes] = observed
 

@@ -10,9 +10,9 @@ from solar_env.array.parameters.checks import Rule, check_rows, number
 from solar_env.environment.hardware import Hardware
 from solar_env.support.values import is_whole_number, unknown_name
 
-# What an action is, by its name, and the codes of `drive.asked_rate`.
-ACTIONS = {"torque": 0, "rate": 1, "log_rate": 2}
-TORQUE, RATE, LOG_RATE = ACTIONS.values()
+# What an action is, by its name, and their codes for kernels.
+ACTIONS = {"torque": 0, "log_rate": 1}
+TORQUE, LOG_RATE = ACTIONS.values()
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
 _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "must be a finite number, not negative")
 
@@ -30,8 +30,8 @@ class Task:
         drive_settles: whether the drive alone brings the array to rest after the last latching; the step in which it
             latches then lasts until the episode ends.
         driven_joint: index of the joint that the motor works on; 0 is the root hinge.
-        action: "torque", in units of the torque limit; "rate", the setpoint 5e-4 sinh(7 a) rad/s, from -0.27 to 0.27,
-            of the drive's rate loop; or "log_rate", the logarithm of that setpoint, behind a lag.
+        action: "torque", in units of the torque limit, or "log_rate", the logarithm of the setpoint of the drive's rate
+            loop, behind a lag.
     """
 
     torque_limit: float = number(MISSING, _POSITIVE)

@@ -1,111 +1,65 @@
-"""Exporting trained policies: that all forms act as the run's own, what the card says, and what is not written."""
+"""A policy that is written as ONNX acts as it does here."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import onnxruntime
 import pytest
-from trained import COMMAND, random_observations
+from training import write_run
 
-from agents.commands import export
-from agents.policies import onnx_form, shipped
-from agents.policies.shipped import load_shipped
-from solar_env.__main__ import execute
-from solar_env.support.files import new_folder
+from agents.learning import runs
+from agents.policies.network import Layer, PolicyNetwork
+from agents.policies.onnx_form import onnx_model
+from solar_env.__main__ import execute, main
 
-
-def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished, monkeypatch, capsys):
-    folder = finished["scored"][1]
-    monkeypatch.setattr(shipped, "SHIPPED", folder.parent)
-    card = (folder / shipped.CARD).read_text()
-    assert COMMAND in card
-    assert '"seed": 7' in card
-    assert '"n_steps": 64' in card
-    assert "9 - 64 - 64 - 1, tanh between its layers" in " ".join(card.split())
-    assert "on the model rigid-ideal" in card
-    assert "| passive | " in card
-    assert "None were measured." in (finished["ppo"][1] / shipped.CARD).read_text()
-    snippets = re.findall(r"```python\n(.*?)```", card, re.DOTALL)
-    assert len(snippets) == 2
-    for snippet in snippets:
-        exec(snippet, {})
-    assert "'return'" in capsys.readouterr().out
+OBSERVATIONS = np.random.default_rng(1).uniform(-4.0, 4.0, (50, 11)).astype(np.float32)
 
 
-def test_the_command_writes_a_shipped_policy_and_overwrites_nothing(finished, tmp_path, monkeypatch):
-    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
-    run = str(finished["sac"][0])
-    execute("export", [run, "--out", str(tmp_path / "soft")])
-    names = {path.name for path in (tmp_path / "soft").iterdir()}
-    assert names == {"policy.npz", "policy.json", "policy.onnx", "card.md"}
-    assert shipped.available() == ["soft"]
-    with pytest.raises(FileExistsError, match="soft exists; choose another --out"):
-        execute("export", [run, "--out", str(tmp_path / "soft")])
-    for name in ("servo", "soft=er"):
-        with pytest.raises(ValueError, match=rf"the folder's name is '{name}', and the policy's"):
-            execute("export", [run, "--out", str(tmp_path / name)])
+def actions(path):
+    return onnxruntime.InferenceSession(path).run(["action"], {"observation": OBSERVATIONS})[0]
 
 
-def test_the_suffix_says_the_form_of_a_run_or_a_shipped_policy(finished, tmp_path):
-    run, folder = finished["ppo"]
-    for source, name in ((run, "run"), (folder, "shipped")):
-        made = tmp_path / name
-        made.mkdir()
-        for suffix in (".npz", ".onnx", ".h", ""):
-            execute("export", [str(source), "--out", str(made / f"policy{suffix}")])
-        observations = random_observations(20)
-        actions, _ = load_shipped(made / "policy").predict(observations)
-        np.testing.assert_array_equal(actions, load_shipped(folder).predict(observations)[0])
-        assert (made / "policy" / shipped.CARD).exists() == (source == run)
-        assert (made / "policy.h").is_file()
-        session = onnxruntime.InferenceSession(made / "policy.onnx")
-        np.testing.assert_allclose(session.run(None, {"observation": observations})[0], actions, rtol=0.0, atol=1e-6)
-    with pytest.raises(ValueError, match=r"the suffix '.zip' .* choose from .npz, .onnx, .h"):
-        execute("export", [str(run), "--out", str(tmp_path / "policy.zip")])
+def test_a_run_a_saved_model_and_a_policy_of_the_package_are_written_as_onnx_that_acts_alike(tmp_path, monkeypatch):
+    monkeypatch.setattr(runs, "SHIPPED", tmp_path)
+    write_run(tmp_path / "line", (np.linspace(-0.2, 0.3, 11).tolist(),), bias=-0.1)
+    expected = runs.best_policy("line").act(OBSERVATIONS)
+    assert np.ptp(expected) > 1.0
+    for policy in (tmp_path / "line", tmp_path / "line" / runs.BEST, "line"):
+        execute("export", [str(policy), "--out", str(tmp_path / "policy.onnx")])
+        np.testing.assert_allclose(actions(tmp_path / "policy.onnx"), expected, rtol=0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError("No space left on device")])
-def test_a_policy_that_could_not_be_written_whole_does_not_take_its_name(finished, tmp_path, monkeypatch, fault):
-    def broken(*_):
-        raise fault
-
-    monkeypatch.setattr(shipped, "SHIPPED", tmp_path / "policies")
-    run = finished["ppo"][0]
-    with monkeypatch.context() as patch:
-        patch.setattr(export, "write_bytes", broken)
-        with pytest.raises(type(fault) if isinstance(fault, OSError) else fault):
-            export.export(run, tmp_path / "policies" / "soft")
-    assert list((tmp_path / "policies").iterdir()) == []
-    export.export(run, tmp_path / "policies" / "soft")
-    assert shipped.available() == ["soft"]
+@pytest.mark.parametrize("activation", ["relu", "tanh"])
+@pytest.mark.parametrize(("output", "mean_limit"), [("clip", None), ("tanh", None), ("tanh", 0.5)])
+def test_every_kind_of_network_acts_alike_as_onnx(activation, output, mean_limit):
+    generator = np.random.default_rng(2)
+    sizes = [(8, 11), (8, 8), (1, 8)]
+    layers = [
+        Layer(*((0.3 * generator.normal(size=of)).astype(np.float32) for of in (size, size[:1]))) for size in sizes
+    ]
+    network = PolicyNetwork(tuple(layers), activation, output, mean_limit)
+    written = onnx_model(network).SerializeToString()
+    np.testing.assert_allclose(actions(written), network.act(OBSERVATIONS), rtol=0.0, atol=1e-6)
 
 
-def test_what_a_kill_has_left_unfinished_is_no_shipped_policy(finished, tmp_path, monkeypatch):
-    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
-    with new_folder(tmp_path / "soft") as made:
-        (made / shipped.DESCRIPTION).write_bytes((finished["ppo"][1] / shipped.DESCRIPTION).read_bytes())
-        assert shipped.available() == []
-    assert shipped.available() == ["soft"]
+def test_another_suffix_and_no_policy_are_refused(tmp_path, capsys):
+    for words, told in (
+        (["rigid", "--out", str(tmp_path / "policy.h")], "the suffix '.h' .* choose from .onnx"),
+        ([str(tmp_path), "--out", str(tmp_path / "policy.onnx")], "is not a run folder"),
+    ):
+        assert main(["export", *words]) == 2
+        assert re.search(told, capsys.readouterr().err)
 
 
 def test_without_onnx_the_command_says_what_to_install_before_anything_is_read(run_python, tmp_path):
     program = """
 import contextlib, io, sys
-sys.modules["onnxruntime"] = None
+sys.modules["onnx"] = None
 from solar_env.__main__ import main
 with contextlib.redirect_stderr(io.StringIO()) as said:
-    print(main(["export", sys.argv[1], "--out", "policy"]))
+    print(main(["export", sys.argv[1], "--out", "policy.onnx"]))
 print(said.getvalue())
 """
     told = run_python(program, str(tmp_path / "no-run")).split("\n", 1)
     assert told[0] == "2"
-    assert told[1].strip() == "error: exporting needs ONNX and its runtime: pip install 'solar-env[onnx]'"
-
-
-def test_an_onnx_form_that_acts_otherwise_than_the_run_is_not_written(finished, tmp_path, monkeypatch):
-    right = onnx_form.onnx_model
-    monkeypatch.setattr(onnx_form, "onnx_model", lambda network: right(replace(network, activation="relu")))
-    with pytest.raises(ValueError, match=r"differs from the run's policy by .*; it is not written"):
-        export.export(finished["ppo"][0], tmp_path / "policy")
-    assert not (tmp_path / "policy").exists()
+    assert told[1].strip() == "error: exporting needs ONNX: pip install 'solar-env[onnx]'"

@@ -5,6 +5,7 @@ import pytest
 
 from agents.commands.studies import learning
 from agents.learning import training
+from agents.learning.runs import read_config
 from solar_env.__main__ import execute
 from solar_env.environment.registration import DEPLOY
 from solar_env.studies.common.tables import read_table
@@ -33,9 +34,32 @@ def test_every_agent_has_a_curve_of_every_seed_beside_the_laws(tmp_path, monkeyp
 
     monkeypatch.setattr(learning, "train", lambda *_: pytest.fail("trained again"))
     execute("study", words)
+    others = (tmp_path / learning.TABLE).read_text().replace("cma-es", "ppo")
+    (tmp_path / learning.TABLE).write_text(others)
+    execute("study", words)
+    assert set(learning.panels(read_table(tmp_path / learning.TABLE))["rigid"].curves) == {"cma-es", "ppo"}
     before = (tmp_path / learning.FIGURE).read_bytes()
     execute("study", [*words, "--draw"])
     assert (tmp_path / learning.FIGURE).read_bytes() == before
+
+
+def test_refinement_goes_on_from_the_best_policies_of_ppo(tmp_path, monkeypatch):
+    monkeypatch.setattr(learning, "SEEDS", (3,))
+    monkeypatch.setattr(learning, "EPISODES", 1)
+    monkeypatch.setattr(training, "EPISODES", 2)
+    monkeypatch.setattr(training, "VALIDATIONS", 2)
+    monkeypatch.setitem(learning.SCENES, "rigid", (DEPLOY, {"model": "rigid-ideal"}))
+    monkeypatch.setitem(learning.LENGTHS, "ppo", (2048, 1))
+    monkeypatch.setitem(learning.LENGTHS, "refined", (200, 4))
+    words = ["--only", "refined-rigid", "ppo-rigid", "--jobs", "1", "--quiet", "--out", str(tmp_path)]
+    execute("study", ["learning", *words])
+    curves = learning.panels(read_table(tmp_path / learning.TABLE))["rigid"].curves
+    ((before, seconds_before, _),), ((after, seconds_after, returns),) = curves["ppo"], curves["refined"]
+    assert after[0] > before[-1]
+    assert seconds_after[0] > seconds_before[-1]
+    start = read_config(tmp_path / "refined-rigid-3").hyperparameters["start"]
+    assert start == str(tmp_path / "ppo-rigid-3" / "best_model.zip")
+    assert np.isfinite(returns).all()
 
 
 def test_an_algorithm_that_does_not_exist_is_refused(tmp_path):

@@ -103,23 +103,10 @@ def test_every_episode_of_a_film_stands_under_its_controllers_name(tmp_path):
         assert np.abs(picture[top : top + films.CAPTION] - own).mean() < 2.0
 
 
-def test_a_figure_shows_the_same_episode_of_every_controller(tmp_path, monkeypatch):
-    drawn, draw = [], replay.deployments_figure
-    monkeypatch.setattr(replay, "deployments_figure", lambda *given: drawn.append(given[0]) or draw(*given))
-    short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "settling_window=1.0"]
-    assert main(["replay", *RIGID, *short, "--out", str(tmp_path / "figure.png")]) == 0
-    with Image.open(tmp_path / "figure.png") as figure:
-        assert min(figure.size) > 500
-    (episodes,) = drawn
-    assert list(episodes) == ["passive", "servo"]
-    assert not any(step.action.any() for step in episodes["passive"])
-    assert any(step.action.any() for step in episodes["servo"])
-
-
 @pytest.mark.parametrize(
     ("options", "word"),
     [
-        (["--out", "film.avi"], ".html, .mp4, .gif, .png"),
+        (["--out", "film.avi"], ".html, .mp4, .gif"),
         (["--out", "no/such/page.html"], "no/such"),
         (["--controllers", "nobody"], "nobody"),
     ],

@@ -1,25 +1,16 @@
 """Controllers of every kind are found by name, and a name that is none says so."""
 
-import shutil
-from dataclasses import replace
-
-import numpy as np
 import pytest
-from trained import QUICK
-from training import write_policy
+from training import write_run
 
-from agents.comparison import evaluation
 from agents.comparison.controllers import parse_controller
 from agents.comparison.evaluation import episode_cell, evaluate
-from agents.configs import CONFIGS
 from agents.environments import make_env
 from agents.laws.baselines import load_parameters
 from agents.laws.servo import ServoParameters
 from agents.laws.table import LAWS, TUNABLE
-from agents.policies import shipped
-from agents.policies.shipped import UNITS, Layer, ShippedPolicy
-from agents.torque_laws import Signals
-from solar_env.environment.registration import DEPLOY_V1
+from agents.learning import runs
+from solar_env.environment.registration import DEPLOY, DEPLOY_V1
 
 
 @pytest.fixture
@@ -28,25 +19,20 @@ def env():
 
 
 @pytest.fixture
-def policy(env, tmp_path, monkeypatch):
-    """A shipped policy that pulls with a third of the limit."""
-    signals = Signals.of(env)
-    described = {name: getattr(signals, name) for name in UNITS}
-    keywords = {"model": "rigid-clearance", "observation": "drive"}
-    described |= {"observation_names": signals.names, "env_kwargs": keywords, "training_steps": 12_000}
-    layer = Layer(np.zeros((1, len(signals.names)), np.float32), np.full(1, -1.0 / 3.0, np.float32))
-    description = write_policy(tmp_path / "third", layer, **described)
-    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
-    return description
+def policy(tmp_path, monkeypatch):
+    """A policy of the package whose action is always minus a third."""
+    monkeypatch.setattr(runs, "SHIPPED", tmp_path)
+    return write_run(tmp_path / "third", bias=-1.0 / 3.0, env_kwargs={"model": "rigid-clearance"})
 
 
-def test_a_shipped_policy_is_a_controller_by_its_name(env, policy):
+def test_a_policy_of_the_package_is_a_controller_by_its_name(policy):
+    env = make_env(DEPLOY, {"model": "rigid-clearance"})
     observation, _ = env.reset(seed=0)
     third = parse_controller("third")
     assert third.load(env).predict(observation)[0] == pytest.approx([-1.0 / 3.0])
-    assert third.training().env_kwargs == policy.env_kwargs
-    assert third.interface() == {"observation": "drive"}
-    assert [path.name for path in third.files()] == ["policy.npz", "policy.json"]
+    assert third.training() == policy
+    assert third.interface() == {}
+    assert [path.name for path in third.files()] == ["config.json", "best_model.zip"]
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -64,37 +50,32 @@ def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, n
         assert law.parameters == ServoParameters()
 
 
-def test_a_run_or_what_is_exported_of_it_is_not_used_where_its_actions_mean_something_else(finished):
-    for folder in finished["ppo"]:
-        with pytest.raises(ValueError, match=r"torque_limit is 0\.3; the policy was trained with 0\.5"):
-            parse_controller(str(folder)).load(make_env(DEPLOY_V1, {**QUICK, "torque_limit": 0.3}))
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"torque_limit": 0.3}, r"torque_limit is 0\.3; the policy was trained with 1\.0"),
+        ({"control_period": 0.1}, r"control_period is 0\.1; the policy was trained with 0\.5"),
+        ({"settling_window": 5.0}, r"settling_window is 5\.0; the policy was trained with 10\.0"),
+        ({"observation": "history"}, r"names is .*theta_1_1_ago"),
+        ({"action": "torque"}, "action is torque; the policy was trained with log_rate"),
+    ],
+)
+def test_a_run_is_not_used_where_its_actions_or_observations_mean_something_else(policy, keywords, message):
+    with pytest.raises(ValueError, match=message):
+        parse_controller("third").load(make_env(DEPLOY, {"model": "rigid-clearance", **keywords}))
 
 
-def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_baseline_that_has_changed(
-    policy, tmp_path, monkeypatch
-):
-    monkeypatch.setattr(evaluation, "CONFIGS", tmp_path)
-    for name in TUNABLE:
-        shutil.copy(CONFIGS / f"{name}.json", tmp_path)
-
-    def motor_work(seed=0):
-        evaluation._agents_digest.cache_clear()
-        keywords, store = policy.env_kwargs, tmp_path / "store.jsonl"
-        return evaluate(["third"], 1, seed, DEPLOY_V1, keywords, progress=False, store=store)[0]["motor_work_J"]
+def test_a_policy_that_has_changed_is_read_again(policy, tmp_path):
+    def motor_work():
+        return evaluate(["third"], 1, 0, DEPLOY, policy.env_kwargs, progress=False)[0]["motor_work_J"]
 
     first = motor_work()
     assert motor_work() == first
-    third = shipped.load_shipped("third")
-    (layer,) = third.network.layers
-    stronger = replace(third.network, layers=(layer._replace(biases=2.0 * layer.biases),))
-    shipped.write_policy(tmp_path / "third", ShippedPolicy(stronger, policy))
+    write_run(tmp_path / "third", bias=-0.2, env_kwargs=policy.env_kwargs)
     assert motor_work() != first
-    (tmp_path / "damper.json").write_text("{}")
-    with pytest.raises(ValueError, match="was made by other code or with other settings"):
-        motor_work(seed=1)
 
 
-def test_a_shipped_policy_stays_itself_beside_a_folder_of_its_name(policy, tmp_path, monkeypatch):
+def test_a_policy_of_the_package_stays_itself_beside_a_folder_of_its_name(policy, tmp_path, monkeypatch):
     (tmp_path / "elsewhere" / "third").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "elsewhere")
     assert episode_cell(parse_controller("third"), policy.env_id, policy.env_kwargs, seed=0)["spec"] == "third"

@@ -10,7 +10,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.environments import DEFAULT_ENV_ID, environment_settings, make_env
-from agents.learning.vec_env import FixedSeeds, NativeVecEnv
+from agents.learning.vec_env import NativeVecEnv
 from solar_env.environment.registration import DEPLOY_V1
 
 LANES = 3
@@ -78,7 +78,7 @@ def test_attributes_and_methods_are_by_lane():
 
 
 def test_fixed_seeds_begin_the_same_episodes_at_every_reset():
-    venv = FixedSeeds(NativeVecEnv(LANES, env_kwargs=KEYWORDS), 40)
+    venv = NativeVecEnv(LANES, env_kwargs=KEYWORDS, first_seed=40)
     designs = []
     for _ in range(2):
         venv.reset()

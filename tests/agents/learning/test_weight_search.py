@@ -10,7 +10,7 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnvWrapper
 
-from agents.learning.vec_env import FixedSeeds, NativeVecEnv
+from agents.learning.vec_env import NativeVecEnv
 from agents.learning.weight_search import CMAES
 from solar_env.environment.registration import DEPLOY
 
@@ -106,7 +106,7 @@ class Recorded(VecEnvWrapper):
 
 def test_candidates_have_the_returns_of_their_policies_and_who_has_ended_is_not_counted():
     lanes = 3
-    venv = Recorded(FixedSeeds(NativeVecEnv(lanes, DEPLOY, QUICK), 5))
+    venv = Recorded(NativeVecEnv(lanes, DEPLOY, QUICK, 5))
     model = made(venv)
     model._logger = configure(None, [])
     model._begin()
@@ -117,6 +117,6 @@ def test_candidates_have_the_returns_of_their_policies_and_who_has_ended_is_not_
     assert len(set(together)) == lanes
     for lane in range(lanes):
         model.policy.load_from_vector(candidates[lane])
-        single = FixedSeeds(NativeVecEnv(1, DEPLOY, QUICK), 5 + lane)
+        single = NativeVecEnv(1, DEPLOY, QUICK, 5 + lane)
         alone, _ = evaluate_policy(model, single, 1, warn=False)
         assert alone == pytest.approx(together[lane], rel=1e-5)

@@ -34,7 +34,7 @@ def names(joints, observation):
 
 def sensors(row, hardware, lanes=1):
     """Sensors of one observable of two joints, which see a quarter of its range from below."""
-    made = Sensors(lanes, LOCK_ANGLES, observation_entries(2, [row.name]), hardware, 20.0)
+    made = Sensors(lanes, LOCK_ANGLES, observation_entries(2, [row.name]), hardware)
     made.exact[:] = row.low + 0.25 * (row.high - row.low)
     made.begin(np.arange(lanes), [np.random.default_rng(lane) for lane in range(lanes)])
     return made
@@ -110,7 +110,7 @@ def test_the_observations_list_what_is_documented_in_that_order():
     drive += ["motor_torque", "time_to_deadline", "time_since_latch"]
     remembered = [*drive[:6], "motor_torque"]
     journals = [f"{name}_{k}" for k in (1, 2, 3) for name in ("eccentricity_x", "eccentricity_y", "in_contact")]
-    assert set(OBSERVATIONS) == {"scaled", "drive", "history", "landing", "privileged"}
+    assert set(OBSERVATIONS) == {"scaled", "drive", "history", "privileged"}
     distances, speeds, switches = ([f"{name}_{k}" for k in (1, 2, 3)] for name in ("distance", "speed", "latched"))
     assert names(3, "scaled") == [*distances, *speeds, *switches, "time", "log_setpoint"]
     assert names(3, "drive") == drive
@@ -145,16 +145,27 @@ def test_the_peak_force_is_the_greatest_of_the_last_period_alone():
 
 
 def test_an_observation_in_a_list_stands_for_all_that_it_has():
-    with solar_env.SolarArrayEnv(model="rigid-ideal", observation=["start", "landing", "main_body_spin"]) as more:
-        names = more.observation_names
-    with solar_env.SolarArrayEnv(model="rigid-ideal", observation="landing") as env:
-        assert names == ("start", *env.observation_names, "main_body_spin")
+    listed = names(2, ["time", "drive", "main_body_spin"])
+    assert listed == ["time", *names(2, "drive"), "main_body_spin"]
+
+
+def test_a_feature_is_of_order_one_from_the_release_to_the_last_hundredth_of_a_degree_and_of_what_noisy_sensors_show():
+    """By its formula, of the measured entries that are observed beside it."""
+    keywords = {"scenario": "randomised", "model": "rigid-ideal", "control_period": 1e-3}
+    env = gymnasium.make(DEPLOY_V1, observation=["theta", "rate", "distance", "speed"], **keywords).unwrapped
+    env.reset(seed=1)
+    for _ in range(3):
+        theta, rate, distance, speed = np.split(env.step([0.3])[0].astype(float), 4)
+        assert distance == pytest.approx(np.arcsinh((1.0 - theta) / 0.01) / 2.0 - 1.0, rel=1e-6)
+        assert speed == pytest.approx(np.arcsinh(rate / LOCK_ANGLES / 0.002) / 2.0 - 1.0, rel=1e-6)
+    far, near = (FEATURES[0].function(np.array([1.0 - to_go]), 1.0)[0] for to_go in (1.0, 1e-4))
+    assert (far, near) == pytest.approx((1.65, -1.0), abs=0.01)
 
 
 def test_an_observation_that_is_none_is_refused_by_name():
     for observation, words in (
         ("drives", "drives.*drive"),
-        (["landing", "far"], "landing.*only once"),
+        (["drive", "theta"], "drive.*only once"),
         (["theta", "rates"], "rates.*rate"),
         (["theta", "theta_0_ago"], "theta_0_ago"),
         (["theta_101_ago"], "theta_101_ago.*at most 100"),

@@ -9,7 +9,7 @@ from helpers import fingerprint
 
 from solar_env.mechanics.running.errors import SimulationError
 
-RATED = {"action": "rate", "hardware": {"rate_noise": 1e-3, "motor_lag": 0.05}}
+RATED = {"action": "log_rate", "hardware": {"rate_noise": 1e-3, "motor_lag": 0.05}}
 
 
 def after(actions, **keywords):
@@ -42,7 +42,7 @@ def test_how_often_a_call_comes_back_changes_no_bit(monkeypatch):
     assert_same(*seen)
 
 
-@pytest.mark.parametrize("action", ["torque", "rate"])
+@pytest.mark.parametrize("action", ["torque", "log_rate"])
 def test_the_bound_on_steps_is_one_of_the_control_period(action):
     env = make("rigid-ideal", action=action)
     env.reset(seed=0)

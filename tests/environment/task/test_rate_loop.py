@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from solar_env.environment.registration import DEPLOY_V1
+from solar_env.environment.task.drive import CRUISE, HASTE, LAG, REACH
 from solar_env.mechanics.arrays.columns import RATE
 
-RATE_LOOP = {"model": "rigid-ideal", "action": "rate"}
+RATE_LOOP = {"model": "rigid-ideal", "action": "log_rate"}
 GAIN = 12.0
 # A loop that is as slow as the actions, and does not filter its torque.
 SLOW = {"rate_loop_frequency": 10.0, "rate_loop_lag": 0.0}
@@ -23,8 +24,15 @@ def make(hardware=None, **keywords):
     return env
 
 
-def setpoint(action):
-    return 5e-4 * math.sinh(7.0 * action)
+class Asked:
+    """The setpoint [rad/s] of a loop that takes ten samples a second, sample by sample."""
+
+    def __init__(self, lock_angle):
+        self.u, self.cruise = 0.0, lock_angle / (CRUISE * 20.0)
+
+    def __call__(self, action):
+        self.u += (1.0 - math.exp(-0.1 / LAG)) * (REACH * action - self.u)
+        return self.cruise * (math.exp(self.u) if self.u < 0.0 else 1.0 + HASTE * self.u)
 
 
 def rate(env, joint=0):
@@ -34,9 +42,10 @@ def rate(env, joint=0):
 @pytest.mark.parametrize(("driven", "lag"), [(0, 0.0), (1, 0.0), (0, 0.25)])
 def test_the_torque_is_the_gain_times_the_error_of_the_rate_filtered_and_held_for_a_sample(driven, lag):
     env = make({"rate_loop_lag": lag}, driven_joint=driven)
+    asked = Asked((1 + driven) * math.pi / 2.0)
     torque, share = 0.0, 1.0 - math.exp(-0.1 / lag) if lag else 1.0
     for action in (0.3, 0.45, -0.2, 0.0, 0.4, 0.9):
-        torque += share * (np.clip(GAIN * (setpoint(action) - rate(env, driven)), -0.5, 0.5) - torque)
+        torque += share * (np.clip(GAIN * (asked(action) - rate(env, driven)), -0.5, 0.5) - torque)
         env.step([action])
         assert env.simulation.state.joints["motor_torque"][driven] == pytest.approx(torque, rel=1e-9)
 
@@ -45,9 +54,9 @@ def test_without_the_filter_a_fast_loop_shakes_flexible_panels():
     """By what it is charged for wear in the first two seconds."""
     wear = []
     for lag in (0.0, 0.1):
-        env = gymnasium.make(DEPLOY_V1, model="flexible-clearance", action="rate", hardware={"rate_loop_lag": lag})
+        env = gymnasium.make(DEPLOY_V1, model="flexible-clearance", action="log_rate", hardware={"rate_loop_lag": lag})
         env.reset(seed=0)
-        wear.append(-sum(env.step([0.8])[-1]["reward_terms"]["wear"] for _ in range(20)))
+        wear.append(-sum(env.step([0.0])[-1]["reward_terms"]["wear"] for _ in range(20)))
     assert wear[0] > 10.0 * wear[1]
 
 
@@ -86,23 +95,24 @@ def test_the_torque_stays_within_the_limit_and_follows_the_motors_lag_and_rate_l
 
 
 def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_in_a_vector():
-    noisy = {"rate_noise": 1e-3}
-    single, vector = make(hardware=noisy), gymnasium.make_vec(DEPLOY_V1, 2, hardware={**SLOW, **noisy}, **RATE_LOOP)
+    noisy, strong, asked = {"rate_noise": 1e-3}, {"torque_limit": 5.0, **RATE_LOOP}, Asked(math.pi / 2.0)
+    single = make(hardware=noisy, torque_limit=5.0)
+    vector = gymnasium.make_vec(DEPLOY_V1, 2, hardware={**SLOW, **noisy}, **strong)
     vector.reset(seed=0)
     errors = []
     for _ in range(50):
         before = rate(single)
         one, many = single.step([0.0])[0], vector.step(np.zeros((2, 1), np.float32))[0]
         assert one.tobytes() == many[0].tobytes()
-        errors.append(-single.simulation.state.joints["motor_torque"][0] / GAIN - before)
+        errors.append(asked(0.0) - single.simulation.state.joints["motor_torque"][0] / GAIN - before)
     assert np.std(errors) == pytest.approx(1e-3, rel=0.3)
 
 
 def test_a_loop_that_cannot_be_is_refused_by_name():
     for keywords, words in (
         ({"action": "speed"}, "speed.*torque"),
-        ({"action": "rate", "hardware": {"rate_loop_frequency": 15.0}}, "15.0 Hz.*1.5 samples.*whole number"),
-        ({"action": "rate", "control_period": 0.001}, "rate_loop_frequency.*0.1 samples"),
+        ({"action": "log_rate", "hardware": {"rate_loop_frequency": 15.0}}, "15.0 Hz.*1.5 samples.*whole number"),
+        ({"action": "log_rate", "control_period": 0.001}, "rate_loop_frequency.*0.1 samples"),
         ({"hardware": {"rate_loop_lag": -0.1}}, "rate_loop_lag.*-0.1.*not negative"),
         ({"hardware": {"rate_loop_gain": 0.0}}, "rate_loop_gain.*0.0.*positive"),
     ):

@@ -32,8 +32,8 @@ class CMAES(ARS):
     environment, the same ones every time, and the policy is the best of all that have had one.
 
     Args:
-        policy, env: See `stable_baselines3.common.base_class.BaseAlgorithm`. As many environments as candidates waste
-            no time.
+        policy, env: See `stable_baselines3.common.base_class.BaseAlgorithm`. Candidates are compared on the same
+            episodes, one for each time that there are as many environments as candidates.
         population: Candidates of a generation.
         deviation: Standard deviation of every weight in the first generation; 0.3, or 0.05 around a `start`.
         start: Model of Stable-Baselines3 (.zip) to begin with.
@@ -92,8 +92,11 @@ class CMAES(ARS):
         callback.on_rollout_start()
         if self.search is None:
             self._begin()
-        asked = self.search.ask()
-        returns = self._returns(asked, callback)
+        asked, env = self.search.ask(), self._vec_env
+        episodes = max(env.num_envs // self.population, 1)  # of each candidate, the same for all
+        first = (self.seed or 0) + env.num_envs + self._n_updates * episodes
+        tries = [(searched, first + episode) for searched in asked for episode in range(episodes)]
+        returns = self._returns(tries, callback).reshape(-1, episodes).mean(axis=1)
         self.search.tell(asked, (-returns).tolist())
         self.seen += zip(returns.tolist(), asked, strict=True)
         self._n_updates += 1
@@ -107,9 +110,9 @@ class CMAES(ARS):
 
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
         """Let weights have a round; they become the policy's if none did better in theirs."""
-        env: Any = self.env
-        env.seed(self.seed or 0)
-        mean_return = float(self._returns([searched] * env.num_envs, callback).mean())
+        first = self.seed or 0
+        tries = [(searched, first + episode) for episode in range(self._vec_env.num_envs)]
+        mean_return = float(self._returns(tries, callback).mean())
         if mean_return > self.best_return:
             self.best_return = mean_return
             self.weights = torch.as_tensor(self._whole(searched))
@@ -119,20 +122,26 @@ class CMAES(ARS):
         """All weights (n_params,) of a candidate, of which (searched,) are its own."""
         return np.concatenate([self.weights.numpy()[: -self.searched], searched]).astype(np.float32)
 
-    def _returns(self, candidates: Sequence[np.ndarray], callback: BaseCallback) -> np.ndarray:
-        """Returns (candidates,) of an episode of each candidate, as many at once as there are environments."""
-        env: Any = self.env
-        parts = [candidates[first : first + env.num_envs] for first in range(0, len(candidates), env.num_envs)]
+    @property
+    def _vec_env(self) -> Any:
+        return self.env
+
+    def _returns(self, tries: Sequence[tuple[np.ndarray, int]], callback: BaseCallback) -> np.ndarray:
+        """Returns (tries,) of an episode of each candidate with a seed, as many at once as there are environments."""
+        count = self._vec_env.num_envs
+        parts = [tries[first : first + count] for first in range(0, len(tries), count)]
         return np.concatenate([self._round(part, callback) for part in parts])
 
-    def _round(self, candidates: Sequence[np.ndarray], callback: BaseCallback) -> np.ndarray:
-        env: Any = self.env
-        returns, running = np.zeros(env.num_envs), np.arange(env.num_envs) < len(candidates)
+    def _round(self, tries: Sequence[tuple[np.ndarray, int]], callback: BaseCallback) -> np.ndarray:
+        env = self._vec_env
+        returns, running = np.zeros(env.num_envs), np.arange(env.num_envs) < len(tries)
+        # Stable-Baselines3 has no method that seeds environments one by one.
+        env.unwrapped._seeds = [seed for _, seed in tries] + [0] * (env.num_envs - len(tries))
         observations = env.reset()
         while running.any():
             actions = np.zeros((env.num_envs, *env.action_space.shape), dtype=np.float32)
             for lane in np.flatnonzero(running).tolist():
-                self.policy.load_from_vector(self._whole(candidates[lane]))
+                self.policy.load_from_vector(self._whole(tries[lane][0]))
                 actions[lane] = self.policy.predict(observations[lane], deterministic=True)[0]
             observations, rewards, dones, _ = env.step(actions)
             returns += np.where(running, rewards, 0.0)
@@ -140,4 +149,4 @@ class CMAES(ARS):
             self.policy.load_from_vector(self.weights.numpy())  # the one that callbacks validate and save
             callback.on_step()
             running &= ~dones
-        return returns[: len(candidates)]
+        return returns[: len(tries)]

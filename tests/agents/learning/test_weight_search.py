@@ -106,13 +106,14 @@ class Recorded(VecEnvWrapper):
 
 def test_candidates_have_the_returns_of_their_policies_and_who_has_ended_is_not_counted():
     lanes = 3
-    venv = Recorded(NativeVecEnv(lanes, DEPLOY, QUICK, 5))
+    venv = Recorded(NativeVecEnv(lanes, DEPLOY, QUICK))
     model = made(venv)
     model._logger = configure(None, [])
     model._begin()
     candidates = np.zeros((lanes, model.n_params))
     candidates[:, -1] = [-0.3, 0.0, 0.2]  # the bias
-    together = model._returns(candidates, model._init_callback(CallbackList([])))
+    tries = [(candidate, 5 + lane) for lane, candidate in enumerate(candidates)]
+    together = model._returns(tries, model._init_callback(CallbackList([])))
     assert model.num_timesteps < lanes * len(venv.ended), "lanes that have ended are not counted"
     assert len(set(together)) == lanes
     for lane in range(lanes):

@@ -1,10 +1,8 @@
 """Command that shows one episode of several controllers: `solar-env replay`."""
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 import numpy as np
@@ -18,13 +16,13 @@ from agents.rollout import Figures, run_episode
 from agents.torque_laws import Controller
 from solar_env.array import ArrayParameters
 from solar_env.commands.arguments import CommandRecord, QuietOption
-from solar_env.environment.episodes import Info
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.films import FRAMES_PER_SECOND, captioned, encoder, write_film
+from solar_env.pictures.frame import Renderer
 from solar_env.pictures.page.content import Page, Table
 from solar_env.pictures.page.document import write_page
-from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table
+from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table, scenes_of
 from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
@@ -54,31 +52,30 @@ def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
     check_target(args.out, (".html", *FILMS))
     suffix, (seed,) = args.out.suffix.lower(), episode_seeds("evaluation", args.seed, 1)
+    if suffix == ".mp4":
+        encoder()
+    episodes: dict[str, Trajectory] = {}
+    figures: dict[str, Figures] = {}
+    for name, controller, env in _each(args):
+        recorded = RecordTrajectory(env)
+        figures[name] = run_episode(recorded, controller, seed)
+        episodes[name] = recorded.trajectory
     if suffix in FILMS:
-        if suffix == ".mp4":
-            encoder()
-        shown = _each(args, render_mode="rgb_array")
-        films = [filmed(env, controller, name, seed, *FILMS[suffix]) for name, controller, env in shown]
-        write_film(films, args.out)
+        longest = max(trajectory.time[-1] for trajectory in episodes.values())
+        write_film([filmed(*episode, longest, *FILMS[suffix]) for episode in episodes.items()], args.out)
     else:
-        episodes: dict[str, Trajectory] = {}
-        figures: dict[str, Figures] = {}
-        for name, controller, env in _each(args):
-            recorded = RecordTrajectory(env)
-            figures[name] = run_episode(recorded, controller, seed)
-            episodes[name] = recorded.trajectory
         write_page(replay_page(episodes, figures, args.command), args.out)
     print(f"written to {args.out}")
     return 0
 
 
-def _each(args: Args, **keywords: object) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
-    """Name every controller, loaded, with its environment, which has some keywords more; all are checked first.
+def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
+    """Name every controller, loaded, with its environment; all are checked first.
 
     Raises:
         ValueError, OSError: There is no controller of a name, or its files cannot be loaded.
     """
-    asked = {**args.keywords(MODEL), **keywords}
+    asked = args.keywords(MODEL)
     interfaces = {controller: controller.interface() for controller in parse_controllers(args.controllers)}
     with counting_bar(args.console) as bar:
         for controller, interface in bar.track(interfaces.items(), description="episodes"):
@@ -110,15 +107,8 @@ def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures],
     return Page("One episode, " + " beside ".join(episodes), answer, motions, charts_of(episodes), tables, notes)
 
 
-def filmed(env: Any, controller: Controller, name: str, seed: int, width: int, speed: float) -> list[Image.Image]:
-    """Run an episode of an environment with `render_mode="rgb_array"`; its frames, under the controller's name."""
-    film: list[Image.Image] = []
-    interval = speed / FRAMES_PER_SECOND
-
-    def record(info: Info) -> None:
-        due = math.ceil(info["time_s"] / interval - 1e-6) - len(film)
-        if due > 0:
-            film.extend([captioned(env.render(), name, width)] * due)
-
-    run_episode(env, controller, seed, record)
-    return film
+def filmed(name: str, trajectory: Trajectory, longest: float, width: int, speed: float) -> list[Image.Image]:
+    """Draw the frames of an episode under its controller's name; the axis of time goes to `longest` [s]."""
+    scenes = scenes_of(trajectory, speed / FRAMES_PER_SECOND)
+    renderer = Renderer(scenes[0], longest)
+    return [captioned(renderer.draw(scene), name, width) for scene in scenes]

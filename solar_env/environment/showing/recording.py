@@ -29,7 +29,8 @@ class RecordTrajectory(gymnasium.Wrapper):
         """Begin an episode, and its record."""
         result = super().reset(seed=seed, options=options)
         env: Any = self.unwrapped
-        longest = env.task.deadline + env.task.settling_window + env.task.control_period
+        task = env.task
+        longest = task.deadline * (1.0 + task.overtime) + task.settling_window + task.control_period
         times = np.arange(math.ceil(longest / self._step)) * self._step
         self._recorder = make_recorder(env.simulation.model, env.simulation.state, times, _CONTACTS)
         env._episodes.batch.record(self._recorder)

@@ -1,4 +1,4 @@
-"""Deployments as pages show them: motions and charts over time, from trajectories."""
+"""Deployments as pages and films show them: motions, scenes and charts over time, from trajectories."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -12,6 +12,7 @@ from solar_env.array.parameters.parameters import MAIN_BODY
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.pictures.frame import Scene
 from solar_env.pictures.page.content import Chart, Line, Motion, Table
 from solar_env.pictures.plots import DISSIPATED, STORED
 from solar_env.pictures.style import COLOURS, FORCE_DECADES, controller_looks
@@ -52,24 +53,56 @@ def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
 
 def motion_of(trajectory: Trajectory, name: str) -> Motion:
     """The array in motion; the trajectory's metadata tell model, integrator and parameters."""
-    kept, details = shown_samples(trajectory), trajectory.metadata
-    parameters = ArrayParameters().with_changes(details["parameters"])
-    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
-    q = trajectory.coordinates[kept]
-    bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
-    axes = [centreline(model, q, body, 1) for body in bodies]
+    kept = shown_samples(trajectory)
+    body, panels = _lines(trajectory, kept)
     clearance = trajectory.clearance
     return Motion(
         name=name,
         time=trajectory.time[kept],
-        body=main_body_corners(parameters, axes[0]),
-        panels=axes[1:],
+        body=body,
+        panels=panels,
         eccentricity=trajectory.eccentricity[kept] / np.where(clearance > 0.0, clearance, np.inf)[:, None],
         clearance=clearance,
         force=trajectory.normal_force[kept],
         latch_times=trajectory.latch_times,
         torque=trajectory.motor_torque[kept].sum(axis=1),
     )
+
+
+def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
+    """Corners of the main body (kept, 4, 2) and axes of the panels, each (kept, points, 2) [m], at some samples."""
+    details = trajectory.metadata
+    parameters = ArrayParameters().with_changes(details["parameters"])
+    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
+    bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
+    axes = [centreline(model, trajectory.coordinates[kept], body, 1) for body in bodies]
+    return main_body_corners(parameters, axes[0]), axes[1:]
+
+
+def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
+    """The scenes of a film of a trajectory, every `interval` [s], with the peaks of the forces until then."""
+    times = np.arange(0.0, trajectory.time[-1] + 0.5 * interval, interval)
+    kept = np.minimum(np.searchsorted(trajectory.time, times - 1e-9), len(trajectory.time) - 1)
+    body, panels = _lines(trajectory, kept)
+    peaks = peaks_between(trajectory, kept)
+    history = np.concatenate([np.zeros_like(peaks[:1]), peaks])
+    return [
+        Scene(
+            time=float(times[k]),
+            main_body=body[k],
+            panels=tuple(panel[k] for panel in panels),
+            hinges=np.array([panel[k, 0] for panel in panels]) - trajectory.eccentricity[sample],
+            eccentricity=trajectory.eccentricity[sample],
+            clearance=trajectory.clearance,
+            in_contact=trajectory.penetration[sample] > 0.0,
+            normal_force=trajectory.normal_force[sample],
+            latched=trajectory.latch_times <= times[k],
+            motor_torque=float(trajectory.motor_torque[sample].sum()),
+            force_times=times[: k + 1],
+            force_history=history[: k + 1],
+        )
+        for k, sample in enumerate(kept.tolist())
+    ]
 
 
 def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -> Table:

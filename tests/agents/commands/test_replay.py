@@ -15,6 +15,7 @@ from solar_env.__main__ import main
 from solar_env.environment.registration import DEPLOY_V1
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.pictures import films
+from solar_env.studies.common.deployment_page import scenes_of
 
 RIGID = ["--model", "rigid-clearance", "--quiet"]
 
@@ -82,7 +83,7 @@ def test_a_film_shows_all_controllers_in_their_time(suffix, tmp_path):
     path, (width, speed) = tmp_path / f"film{suffix}", replay.FILMS[suffix]
     short = [*RIGID, "--env-kwargs", "deadline=0.9", "settling_window=0.3", "control_period=0.3"]
     assert main(["replay", "--controllers", "passive", "damper", *short, "--out", str(path)]) == 0
-    frames = round(1.8 / (speed / films.FRAMES_PER_SECOND))
+    frames = 1 + round(1.8 / (speed / films.FRAMES_PER_SECOND))
     if suffix == ".mp4":
         assert encoder.count_frames_and_secs(str(path)) == (frames, pytest.approx(0.1 * frames, abs=0.11))
         return
@@ -90,6 +91,24 @@ def test_a_film_shows_all_controllers_in_their_time(suffix, tmp_path):
         assert shown.n_frames == frames
         assert shown.info["duration"] == 100
         assert shown.size == (width, 2 * (films.CAPTION + round(width * 540 / 960)))
+
+
+def test_a_film_shows_what_happens_while_the_drive_alone_settles_the_array():
+    """The step in which the last joint latches lasts until the episode ends."""
+    env = RecordTrajectory(gymnasium.make("solar_env/Deploy-v2", model="rigid-clearance", settling_window=2.0))
+    env.reset(seed=0)
+    while not env.step(np.zeros(1, np.float32))[2]:
+        pass
+    trajectory, scenes = env.trajectory, scenes_of(env.trajectory, 0.1)
+    latched = trajectory.latch_times.max()
+    after = [scene for scene in scenes if scene.time > latched]
+    assert len(after) == pytest.approx(20, abs=1)
+    assert all(scene.latched.all() for scene in after)
+    last = scenes[-1]
+    history = last.force_history[last.force_times > latched]
+    assert len(history) == len(after)
+    assert last.force_history.max() == pytest.approx(trajectory.peak_force.max(), rel=1e-6)
+    np.testing.assert_allclose(last.panels[0][0], last.hinges[0] + last.eccentricity[0])
 
 
 def test_every_episode_of_a_film_stands_under_its_controllers_name(tmp_path):

@@ -53,11 +53,6 @@ def store_parameters(name: str, env_id: str, model: str, entry: Mapping[str, obj
     return path
 
 
-def is_tuned(name: str, env_id: str, model: str) -> bool:
-    """Return whether the law `name` has parameters tuned for a model of `env_id`."""
-    return model in _entries(name).get(env_id, {})
-
-
 def tuning_of(name: str, env_id: str, model: str) -> dict[str, Any]:
     """Return the record of the tuning that the parameters of a model come from, see `load_parameters`."""
     return _entry(name, env_id, model)[0]["tuning"]

@@ -7,7 +7,6 @@ from typing import Annotated
 import tyro
 
 from agents.learning import runs
-from agents.policies.saved_models import read_model
 from solar_env.support.files import check_target, write_bytes
 
 
@@ -31,7 +30,6 @@ def run_command(args: Args) -> int:
         from agents.policies.onnx_form import onnx_model
     except ImportError as error:
         raise ValueError("exporting needs ONNX: pip install 'solar-env[onnx]'") from error
-    network = read_model(args.policy) if args.policy.endswith(".zip") else runs.best_policy(args.policy)
-    write_bytes(args.out, onnx_model(network).SerializeToString())
+    write_bytes(args.out, onnx_model(runs.best_policy(args.policy)).SerializeToString())
     print(f"written to {args.out}")
     return 0

@@ -11,7 +11,6 @@ from agents.environments import INTERFACE, OF_LAWS, Keywords
 from agents.laws.baselines import make_baseline
 from agents.laws.table import LAWS
 from agents.learning import runs
-from agents.policies.saved_models import read_model
 from agents.torque_laws import Controller
 
 SEARCH_AROUND = "receding-horizon:"
@@ -62,7 +61,7 @@ class NamedController:
         if self.base in LAWS:
             controller = make_baseline(self.base, env)
         else:
-            controller = read_model(self.base) if self._is_model else runs.best_policy(self.base)
+            controller = runs.best_policy(self.base)
             if training := self.training():
                 runs.check(training, env)
             controller.check(env)

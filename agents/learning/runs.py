@@ -136,12 +136,14 @@ def folder_of(name: str | Path) -> Path:
 
 
 def best_policy(name: str | Path) -> PolicyNetwork:
-    """Read the best policy of a run, by its folder, or one of this package, by its name.
+    """Read the best policy of a run, by its folder, one of this package, by its name, or a saved model (.zip).
 
     Raises:
         FileNotFoundError: There is no run, or it was interrupted before its first validation.
         ValueError: A file is not whole; the message names it.
     """
+    if str(name).endswith(".zip"):
+        return read_model(name)
     read_config(folder := folder_of(name))
     if not (folder / BEST).is_file():
         raise FileNotFoundError(f"{folder} has no policy; the run ended before its first validation, resume it")

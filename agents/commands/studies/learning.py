@@ -110,7 +110,8 @@ def _rows(args: Args, out: Path) -> Iterator[Row]:
             history, pace, steps_before, time_before = runs.read_evaluations(folder), read_json(folder / PACE), 0, 0.0
             if algo == REFINED:
                 before = out / f"{BEFORE}-{scene}-{seed}"
-                steps_before, time_before = _steps(before), _steps(before) * read_json(before / PACE)
+                steps_before = _steps(before)
+                time_before = steps_before * read_json(before / PACE)
             for steps, value in zip(history["timesteps"].tolist(), history["results"].mean(axis=1), strict=True):
                 yield _row(scene, algo, float(value), seed, steps_before + steps, time_before + pace * steps)
         rows = evaluate(LAWS, EPISODES, 0, env_id, keywords, not args.quiet, args.workers) if trained else []

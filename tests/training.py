@@ -35,7 +35,10 @@ def run(*arguments, compare=True):
             warnings.simplefilter("ignore", UntunedWarning)
             train.run_command(args)
         return Path(args.out or args.resume)
-    config, folder = train.begin(args)
+    if args.resume:
+        config, folder = runs.read_config(args.resume), Path(args.resume)
+    else:
+        config, folder = train.configuration(args), Path(args.out)
     training.train(config, folder, args.timesteps, progress=False)
     return folder
 

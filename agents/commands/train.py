@@ -1,6 +1,5 @@
 """Command that trains a controller and compares it with laws: `solar-env train`, or `python train.py`."""
 
-from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,8 +9,7 @@ from agents.comparison.figures import Panel, learning_curves_figure
 from agents.comparison.report import write_comparison
 from agents.environments import episode_seeds
 from agents.learning import runs
-from agents.learning.training import ALGORITHMS, make_model, train
-from agents.learning.vec_env import NativeVecEnv
+from agents.learning.training import ALGORITHMS, train
 from solar_env.commands.arguments import Assignments, CommandRecord, WorkerOptions
 from solar_env.environment.registration import DEPLOY
 from solar_env.support.interruption import keeping
@@ -52,7 +50,11 @@ def run_command(args: Args) -> int:
     """Train, compare, and leave a run folder: models, configuration, table and figure."""
     episode_seeds("evaluation", 0, args.eval_episodes)  # refuses a number without any
     args.workers  # noqa: B018 (checks them)
-    config, folder = begin(args)
+    if args.resume:
+        config, folder = runs.read_config(args.resume), Path(args.resume)
+    else:
+        config = configuration(args)
+        folder = runs.new_run_folder(args.out, config)
     print(f"{config.algo} on {config.env_id}, {args.timesteps} steps -> {folder}")
     with keeping(lambda: f"solar-env train --resume {folder} goes on from the last validation"):
         train(config, folder, args.timesteps, progress=not args.quiet)
@@ -66,16 +68,6 @@ def run_command(args: Args) -> int:
     print_markdown(tables)
     print(f"written to {folder}")
     return 0
-
-
-def begin(args: Args) -> tuple[runs.Configuration, Path]:
-    """The run that the arguments ask for, and its folder; a training that is refused leaves none."""
-    if args.resume:
-        return runs.read_config(args.resume), Path(args.resume)
-    config = configuration(args)
-    with closing(NativeVecEnv(config.n_envs, config.env_id, config.env_kwargs)) as env:
-        make_model(config, env)
-    return config, runs.new_run_folder(args.out, config)
 
 
 def configuration(args: Args) -> runs.Configuration:

@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from agents.environments import NAMESPACE, Keywords, environment_settings, episo
 from agents.policies.network import PolicyNetwork
 from agents.policies.saved_models import read_model
 from agents.torque_laws import Signals
-from solar_env.support.files import make_folder, write_text
+from solar_env.support.files import write_text
 from solar_env.support.plain_arrays import read_arrays, read_json
 from solar_env.support.values import check_types
 
@@ -67,19 +67,16 @@ class Configuration:
 
 
 def new_run_folder(out: str | Path | None, config: Configuration) -> Path:
-    """Create `out`, or `runs/<id>__<algo>__<seed>__<timestamp>` where it is None, with the configuration in it.
+    """Return the folder of a new run: `out`, or `runs/<id>__<algo>__<seed>__<timestamp>` where it is None.
 
     Raises:
         FileExistsError: The folder holds a run already.
-        OSError: It cannot be made.
     """
     env_id = re.sub(r"[^A-Za-z0-9.-]+", "-", config.env_id)
     name = f"{env_id}__{config.algo}__{config.seed}__{datetime.now():%Y%m%d-%H%M%S}"
     folder = Path(out) if out else Path("runs") / name
     if (folder / CONFIG).exists():
         raise FileExistsError(f"{folder} holds a run already; choose another --out, or go on from it with --resume")
-    make_folder(folder)
-    write_json(folder / CONFIG, asdict(config))
     return folder
 
 

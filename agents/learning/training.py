@@ -4,6 +4,7 @@ import io
 import json
 import zipfile
 from contextlib import closing
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from agents.environments import episode_seeds
 from agents.learning import runs
 from agents.learning.vec_env import NativeVecEnv
 from agents.learning.weight_search import CMAES
-from solar_env.support.files import write_bytes
+from solar_env.support.files import make_folder, write_bytes
 
 ALGORITHMS: dict[str, Any] = {"ppo": PPO, "sac": SAC, "tqc": TQC, "ars": ARS, "cma-es": CMAES}
 VALIDATIONS, EPISODES = 15, 8
@@ -50,13 +51,19 @@ def make_model(config: runs.Configuration, env: VecEnv, **keywords: Any) -> Base
 
 
 def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bool = True) -> None:
-    """Train to a number of steps in all, from the last validation of the folder where there is one."""
+    """Train to a number of steps in all, from the last validation of the folder where there is one.
+
+    The folder is made once the algorithm has taken its hyperparameters.
+    """
     torch.set_num_threads(1)  # small networks: more threads only contend
     first = episode_seeds("validation", config.seed, 1)[0]
     env = VecMonitor(NativeVecEnv(config.n_envs, config.env_id, config.env_kwargs))
     judged = VecMonitor(NativeVecEnv(EPISODES, config.env_id, config.env_kwargs, first))
     with closing(env), closing(judged):
         model = make_model(config, env, tensorboard_log=str(folder))
+        if not (folder / runs.CONFIG).is_file():
+            make_folder(folder)
+            runs.write_json(folder / runs.CONFIG, asdict(config))
         every = max(timesteps // (VALIDATIONS * config.n_envs), 1)
         keep = Keep(folder / runs.BEST), Keep(folder / runs.LAST)
         validation = EvalCallback(judged, *keep, EPISODES, every, str(folder), verbose=0)

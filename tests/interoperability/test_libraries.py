@@ -47,6 +47,23 @@ def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():
 
 
 @pytest.mark.interoperability
+def test_the_single_file_of_cleanrl_trains(tmp_path):
+    """Its version 1.2 is older than Gymnasium 1.0, whose TransformObservation asks for a space besides."""
+    package = pytest.importorskip("cleanrl")
+    source = (Path(package.__path__[0]) / "ppo_continuous_action.py").read_text()
+    clip = "lambda obs: np.clip(obs, -10, 10)"
+    assert source.count(clip) == 1
+    (tmp_path / "ppo.py").write_text(source.replace(clip, f"{clip}, env.observation_space"))
+    command = [sys.executable, "ppo.py", "--env-id", f"solar_env:{DEPLOY}", "--total-timesteps", "4096", "--cuda", "no"]
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=300, check=False, cwd=tmp_path, env=environment
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert "SPS" in done.stdout  # after an update
+
+
+@pytest.mark.interoperability
 def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
     pytest.importorskip("rl_zoo3")
     command = [

@@ -64,34 +64,35 @@ def run(args: Args) -> int:
 
 
 def _train_missing(args: Args, cases: list[str], out: Path) -> None:
-    wanted: dict[Path, runs.Configuration] = {}
+    wanted: dict[Path, runs.Configuration] = {}  # by folder
     for case in cases:
         algo, scene = CASES[case]
         (timesteps, lanes), (env_id, keywords) = LENGTHS[algo], SCENES[scene]
         for seed in (0,) if args.quick else SEEDS:
             steps, hyperparameters = QUICK_TIMESTEPS if args.quick else timesteps, dict[str, object]()
             if algo == REFINED:
-                start = out / f"{BEFORE}-{scene}-{seed}" / runs.BEST
-                hyperparameters = {"start": str(start)}
+                hyperparameters = {"start": str(_folder(out, BEFORE, scene, seed) / runs.BEST)}
             about = seed, lanes, steps, hyperparameters, args.command
-            wanted[out / f"{case}-{seed}"] = runs.Configuration(
-                "cma-es" if algo == REFINED else algo, env_id, keywords, *about
-            )
-    missing = [folder for folder in wanted if not (folder / PACE).is_file()]
-    for folder in missing:
-        if not (folder / runs.CONFIG).is_file():
-            runs.new_run_folder(folder, wanted[folder])
+            name = "cma-es" if algo == REFINED else algo
+            wanted[_folder(out, algo, scene, seed)] = runs.Configuration(name, env_id, keywords, *about)
+    missing = {folder: config for folder, config in wanted.items() if not (folder / PACE).is_file()}
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         task = bar.add_task("runs", total=len(wanted), completed=len(wanted) - len(missing))
         for refined in (False, True):  # these begin with the others
-            folders = [folder for folder in missing if folder.name.startswith(REFINED) == refined]
-            for _ in each_done(_train, folders, args.workers):
+            todo = [run for run in missing.items() if run[0].name.startswith(REFINED) == refined]
+            for _ in each_done(_train, todo, args.workers):
                 bar.advance(task)
 
 
-def _train(folder: Path) -> None:
+def _folder(out: Path, algo: str, scene: str, seed: int) -> Path:
+    """Return the run folder of an algorithm's seed in a scene."""
+    return out / f"{algo}-{scene}-{seed}"
+
+
+def _train(run: tuple[Path, runs.Configuration]) -> None:
     """Train what is missing of a run, and note how long a step takes a core."""
-    config, done, began = runs.read_config(folder), _steps(folder), time.process_time()
+    folder, config = run
+    done, began = _steps(folder), time.process_time()
     train(config, folder, config.timesteps, progress=False)
     runs.write_json(folder / PACE, (time.process_time() - began) / (config.timesteps - done))
 
@@ -104,12 +105,12 @@ def _steps(folder: Path) -> int:
 def _rows(args: Args, out: Path) -> Iterator[Row]:
     """Yield a row for each validation of each run that there is, and one without steps for each law."""
     for scene, (env_id, keywords) in SCENES.items():
-        folders = [(algo, seed, out / f"{algo}-{scene}-{seed}") for algo in LENGTHS for seed in SEEDS]
+        folders = [(algo, seed, _folder(out, algo, scene, seed)) for algo in LENGTHS for seed in SEEDS]
         trained = [(algo, seed, folder) for algo, seed, folder in folders if (folder / PACE).is_file()]
         for algo, seed, folder in trained:
             history, pace, steps_before, time_before = runs.read_evaluations(folder), read_json(folder / PACE), 0, 0.0
             if algo == REFINED:
-                before = out / f"{BEFORE}-{scene}-{seed}"
+                before = _folder(out, BEFORE, scene, seed)
                 steps_before = _steps(before)
                 time_before = steps_before * read_json(before / PACE)
             for steps, value in zip(history["timesteps"].tolist(), history["results"].mean(axis=1), strict=True):

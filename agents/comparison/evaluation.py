@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict
 from functools import lru_cache
@@ -17,8 +18,11 @@ from agents.environments import DEFAULT_ENV_ID, INTERFACE, Keywords, episode_see
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
-from agents.rollout import Figures, run_episode
+from agents.rollout import run_episode
 from agents.torque_laws import Controller, LawParameters
+from solar_env.mechanics.running.diagnosis import warn
+from solar_env.mechanics.running.errors import SimulationError
+from solar_env.studies.common.failures import told
 from solar_env.support.campaigns import Cell, each_done
 from solar_env.support.progress import counting_bar
 
@@ -45,11 +49,12 @@ def evaluate(
         workers: Processes to run the episodes on.
 
     Returns:
-        One row per controller and episode: controller, spec, episode, and the figures of `run_episode`.
+        One row per controller and episode: controller, spec, episode, and the figures of `run_episode`. An episode
+        whose simulation cannot go on under one of them is left out for all, with a warning.
 
     Raises:
         FileNotFoundError, ValueError: A controller does not exist, does not fit the environment, or goes by the name of
-            another one; or the environment refuses its keywords.
+            another one; the environment refuses its keywords; or more than a tenth of the episodes failed.
     """
     seeds = episode_seeds("evaluation", seed, episodes)
     sampled = with_sampling(env_kwargs or {}, env_id)
@@ -65,8 +70,13 @@ def evaluate(
         for controller, interface in interfaces.items()
         for episode_seed in seeds
     ]
-    figures = run_cells(cells, workers, progress)
-    return [{**label, **figure} for label, figure in zip(labels, figures, strict=True)]
+    rows: list[Row] = [{**label, **of} for label, of in zip(labels, run_cells(cells, workers, progress), strict=True)]
+    failed = [row for row in rows if "failure" in row]
+    names = {f"{row['controller']}, episode {row['episode']}, seed {row['seed']}": row["failure"] for row in failed}
+    if text := told(names, len(rows)):
+        warn(f"{text} Their episodes are left out of all controllers' figures")
+    out = {row["episode"] for row in failed}
+    return [row for row in rows if row["episode"] not in out]
 
 
 def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[str, object], seed: int) -> Cell:
@@ -81,10 +91,13 @@ def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[s
     }
 
 
-def run_cell(cell: Cell) -> Figures:
-    """Run the episode of a cell and return its figures, see `agents.rollout.run_episode`."""
+def run_cell(cell: Cell) -> Row:
+    """Run the episode of a cell; returns its figures, see `run_episode`, or its seed with the reason of a failure."""
     env, controller = _prepared(json.dumps({**cell, "seed": None}))
-    return run_episode(env, controller, cell["seed"])
+    try:
+        return run_episode(env, controller, cell["seed"])
+    except SimulationError as error:
+        return {"seed": cell["seed"], "failure": str(error)}
 
 
 @lru_cache(maxsize=4)
@@ -102,10 +115,10 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
     return make_env(env_id, json.loads(keywords))
 
 
-def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) -> list[Figures]:
+def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) -> list[Row]:
     """Run cells on so many processes and return their figures, in their order; of cells that are alike one is run."""
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
-    different, done = dict(zip(keys, cells, strict=True)), dict[str, Figures]()
+    different, done = dict(zip(keys, cells, strict=True)), dict[str, Row]()
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
         ran = each_done(run_cell, different.values(), workers)
         for cell, figures in bar.track(ran, total=len(different), description="episodes"):
@@ -121,10 +134,10 @@ def mean_returns(
     seeds: Sequence[int],
     workers: int,
 ) -> list[float]:
-    """Return the mean return of each candidate for the parameters of a law, over the same episodes."""
+    """Return the mean return of each candidate for a law's parameters, over the same episodes; of a failure -inf."""
     law = {"spec": controller, "env_id": env_id, "env_kwargs": runs.jsonable(env_kwargs)}
     cells = [{**law, "parameters": asdict(parameters), "seed": seed} for parameters in candidates for seed in seeds]
-    returns = [figures["return"] for figures in run_cells(cells, workers, progress=False)]
+    returns = [figures.get("return", -math.inf) for figures in run_cells(cells, workers, progress=False)]
     return np.reshape(returns, (len(candidates), len(seeds))).mean(axis=1).tolist()
 
 

@@ -144,7 +144,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.devices
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
-        self._episodes = Episodes(settings, [self.parameters])
+        self._episodes = Episodes([settings])
         self._lane = np.zeros(1, dtype=np.int64)
         self._window = Window(1.0 / self.task.control_period) if self.render_mode == "human" else None
 
@@ -173,7 +173,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         settings = self._episodes.settings
         changes = [settings.check_options(options, "parameters").get("parameters") or {}]
         with self._episodes.alone():
-            settings.check_changes(self.parameters, changes[0])
+            settings.check_changes(changes[0])
             super().reset(seed=seed)
             self._episodes.reset(self._lane, [self.np_random], changes)
             if self._window:

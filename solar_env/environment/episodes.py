@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
-from solar_env.environment.task.drive import task_numbers
+from solar_env.environment.task.drive import numbers_by_lane, task_numbers
 from solar_env.environment.task.periods import hold_lanes, make_periods, observe_lanes
 from solar_env.environment.task.reward import Told, v1_return
 from solar_env.environment.task.sensors import Memory
@@ -42,8 +42,8 @@ class Episodes:
     """One episode after another in each of several lanes.
 
     Attributes:
-        settings: of the environment.
-        designs: parameters by lane, before anything is drawn.
+        lanes: settings by lane, which differ in the parameters of the array alone.
+        settings: of the first lane.
         parameters: by lane, of the present episode.
         observations: (lanes, entries) float32, the latest, as the sensors show them.
         terms: (lanes, terms) of the latest reward, in the order of `settings.terms.names`.
@@ -51,20 +51,18 @@ class Episodes:
         terminated: (lanes,) whether the present episode has ended.
     """
 
-    def __init__(
-        self, settings: EnvironmentSettings, designs: Sequence[ArrayParameters], threads: int | None = None
-    ) -> None:
+    def __init__(self, lanes: Sequence[EnvironmentSettings], threads: int | None = None) -> None:
         """Without episodes yet: they begin with `reset`; `threads`: see `Batch`."""
-        self.settings, self.designs, self.parameters = settings, tuple(designs), list(designs)
-        lanes = len(designs)
-        self._sensors = settings.sensors(lanes)
-        self._numbers = task_numbers(settings.task, settings.devices, settings.array)
-        self._periods = make_periods(lanes, self._numbers, settings.terms.rows.size, self._sensors.exact)
+        self.lanes, self.settings = tuple(lanes), lanes[0]
+        self.parameters, settings = [of_lane.array for of_lane in lanes], self.settings
+        self._sensors = settings.sensors(len(lanes))
+        self._numbers = numbers_by_lane([task_numbers(each.task, each.devices, each.array) for each in lanes])
+        self._periods = make_periods(len(lanes), self._numbers, settings.terms.rows.size, self._sensors.exact)
         self.observations, self.terminated = self._sensors.observed, self._periods.terminated
         self.rewards, own = self._periods.rewards, settings.terms.function is not None
         self.terms = self.rewards[:, np.newaxis] if own else self._periods.terms
         self._batch: Batch | None = None
-        self._films = [Film(settings) for _ in range(lanes)]
+        self._films = [Film(each) for each in lanes]
         self._threads, self._busy = threads, False
 
     @contextmanager
@@ -99,15 +97,12 @@ class Episodes:
         """Begin episodes in some lanes (k,), the first time in all: folded, with parameters that are drawn.
 
         Changes of parameters, after the draw, are checked by `EnvironmentSettings.check_changes` before.
-
-        Raises:
-            ValueError: if the lanes' designs differ in structure.
         """
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
         announce_compilation(self.settings.integrator.name)
         drawn = [
-            self.settings.draw(self.designs[lane], generator, change)
+            self.lanes[lane].draw(generator, change)
             for lane, generator, change in zip(lanes, generators, changes, strict=True)
         ]
         simulations = [self.settings.simulation(parameters) for parameters in drawn]
@@ -117,7 +112,7 @@ class Episodes:
             if self._batch.simulations[lane] is not simulation:
                 self._batch.replace(lane, simulation)
             self.parameters[lane] = parameters
-            self._films[lane] = Film(self.settings)
+            self._films[lane] = Film(self.lanes[lane])
         self.terminated[lanes] = False
         for values in (self.terms, self.rewards, self._periods.accounts, self._periods.drives):
             values[lanes] = 0.0
@@ -195,7 +190,7 @@ class Episodes:
         self._sensors.check(saved.sensors)
         self.batch.replace(lane, self._simulation(saved))
         self._recall(lane, saved)
-        self._films[lane] = Film(self.settings)
+        self._films[lane] = Film(self.lanes[lane])
 
     def _simulation(self, saved: SavedEpisode) -> Simulation:
         simulation = self.settings.simulation(saved.parameters)
@@ -216,7 +211,7 @@ class Episodes:
         the same actions; on `threads` threads at most.
         """
         saved = self.save(lane)
-        copies = type(self)(replace(self.settings, render_mode=None), [saved.parameters] * count, threads)
+        copies = type(self)([replace(self.lanes[lane], render_mode=None)] * count, threads)
         copies._batch = Batch([self._simulation(saved) for _ in range(count)], threads)
         for k in range(count):
             copies._recall(k, saved)

@@ -1,11 +1,32 @@
 """Named scenarios: the parameters drawn for each episode, and the quality of sensors and motor."""
 
 import math
+import operator
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from solar_env.array import ArrayParameters
 from solar_env.array.parameters.ranges import Bound, Ranges
 from solar_env.environment.hardware import Hardware
+
+
+class Spread(NamedTuple):
+    """Between what a parameter is drawn, relative to the array's own value.
+
+    Attributes:
+        low, high: what `of` makes the bounds of, together with the value.
+        of: the product of value and bound, their sum, or the power.
+    """
+
+    low: float
+    high: float
+    of: Callable[[float, float], float] = operator.mul
+
+    def around(self, value: float | tuple[float, ...]) -> tuple[Bound, Bound]:
+        """Bounds around a value, or around the entries of one by joint."""
+        if isinstance(value, tuple):
+            return tuple(self.of(entry, self.low) for entry in value), tuple(self.of(x, self.high) for x in value)
+        return self.of(value, self.low), self.of(value, self.high)
 
 
 class Scenario(NamedTuple):
@@ -14,25 +35,22 @@ class Scenario(NamedTuple):
     Attributes:
         title: in the ids of its environments, followed by the version of the task.
         parameters: of the array, before anything is drawn.
-        randomize: parameter -> (low, high), drawn anew for every episode; bounds by joint from the root on.
+        spreads: by parameter, of what is drawn anew for every episode.
         hardware: sensors and motor.
     """
 
     title: str
     parameters: ArrayParameters
-    randomize: Ranges
+    spreads: Mapping[str, Spread]
     hardware: Hardware
 
-
-def _around(value: float | tuple[float, ...], share: float) -> tuple[Bound, Bound]:
-    """Bounds at a share below and above a nominal value."""
-    low, high = 1.0 - share, 1.0 + share
-    if isinstance(value, tuple):
-        return tuple(low * entry for entry in value), tuple(high * entry for entry in value)
-    return low * value, high * value
+    def ranges(self, array: ArrayParameters) -> Ranges:
+        """The ranges for an array, around its own parameters; a main body that is held does not turn."""
+        turns = not array.body_fixed
+        return {n: s.around(getattr(array, n)) for n, s in self.spreads.items() if turns or n != "initial_spin"}
 
 
-_NOMINAL = ArrayParameters()
+_TENTH = Spread(0.9, 1.1)
 
 SCENARIOS: dict[str, Scenario] = {
     "nominal": Scenario("Deploy", ArrayParameters(), {}, Hardware()),
@@ -42,15 +60,16 @@ SCENARIOS: dict[str, Scenario] = {
     "randomised": Scenario(
         title="DeployRandomised",
         parameters=ArrayParameters(contact_law="flores"),
-        randomize={
-            "clearance": (0.05e-3, 0.5e-3),
-            "friction_coefficient": (0.05, 0.3),
-            "restitution": (0.7, 0.95),
-            "spring_stiffness": _around(_NOMINAL.spring_stiffness, 0.1),
-            "cable_stiffness": _around(_NOMINAL.cable_stiffness, 0.1),
-            "panel_young": _around(_NOMINAL.panel_young, 0.1),
-            "initial_rate": (0.0, 0.01),
-            "initial_spin": (-0.005, 0.005),
+        spreads={
+            "clearance": Spread(0.25, 2.5),
+            "friction_coefficient": Spread(1.0 / 3.0, 2.0),
+            # From 0.7 to 0.95 where it is 0.9; a power of a restitution is one, too.
+            "restitution": Spread(math.log(0.7) / math.log(0.9), math.log(0.95) / math.log(0.9), operator.pow),
+            "spring_stiffness": _TENTH,
+            "cable_stiffness": _TENTH,
+            "panel_young": _TENTH,
+            "initial_rate": Spread(0.0, 0.01, operator.add),
+            "initial_spin": Spread(-0.005, 0.005, operator.add),
         },
         hardware=Hardware(
             angle_noise=5e-4,

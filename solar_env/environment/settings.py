@@ -46,8 +46,9 @@ class EnvironmentSettings:
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound", which changes the
             version's prices; or a function in their place, see `solar_env.environment.task.reward.RewardFunction`.
         scenario: "nominal" or "randomised"; the two keywords that follow change it.
-        randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
-            joint where the parameter is by joint, and there each bound may be one by joint.
+        randomize: mapping of parameter names to (low, high), in place of the scenario's, which are around the array's
+            own parameters; each reset draws uniformly, by joint where the parameter is by joint, and there each bound
+            may be one by joint.
         hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's.
         render_mode: "rgb_array", "human" (a window; a single environment alone) or None.
         max_steps: bound on the integration steps of one control period, tried ones included; usual are some hundred.
@@ -112,22 +113,26 @@ class EnvironmentSettings:
 
     @cached_property
     def array(self) -> ArrayParameters:
-        """Parameters of the array, before anything is drawn."""
-        return self.design(self.parameters)
+        """Parameters of the array, before anything is drawn: the scenario's with changes, or others in their place."""
+        usual, given = SCENARIOS[self.scenario].parameters, self.parameters
+        return given if isinstance(given, ArrayParameters) else usual.with_changes(given or {})
 
-    def design(self, parameters: ArrayParameters | Changes | None) -> ArrayParameters:
-        """The scenario's parameters with changes, or others in their place."""
-        usual = SCENARIOS[self.scenario].parameters
-        return parameters if isinstance(parameters, ArrayParameters) else usual.with_changes(parameters or {})
+    @property
+    def structure(self) -> dict[str, object]:
+        """The parameters that decide how many numbers describe the array."""
+        return {name: getattr(self.array, name) for name in ArrayParameters.STRUCTURAL}
 
     @cached_property
     def ranges(self) -> Ranges:
         """Parameter -> (low, high), by joint where the parameter is."""
         if self.randomize is not None:
             return checked_ranges(self.array, self.randomize)
-        joints, usual = len(self.array.joints), SCENARIOS[self.scenario].randomize
+        joints, usual = len(self.array.joints), SCENARIOS[self.scenario].ranges(self.array)
         pairs = {name: [b[:joints] if isinstance(b, tuple) else b for b in pair] for name, pair in usual.items()}
-        return checked_ranges(self.array, {name: (low, high) for name, (low, high) in pairs.items()})
+        try:
+            return checked_ranges(self.array, {name: (low, high) for name, (low, high) in pairs.items()})
+        except ValueError as error:
+            raise ValueError(f"scenario={self.scenario!r} draws around the array's parameters: {error}") from error
 
     @cached_property
     def devices(self) -> Hardware:
@@ -195,22 +200,27 @@ class EnvironmentSettings:
                 raise ValueError(unknown_name("the reset option", name, known))
         return options or {}
 
-    def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
-        """Refuse changes for one episode that no array can have or that change the structure, by a ValueError."""
+    def check_changes(self, changes: Changes) -> None:
+        """Refuse changes for one episode, by a ValueError.
+
+        They would change the structure, or no array can have them, with whatever values are drawn beside.
+        """
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
-        after = design.with_changes(changes)
-        for name in ArrayParameters.STRUCTURAL:
-            old, new = getattr(design, name), getattr(after, name)
-            if new != old:
+        after = self.array.with_changes(changes)
+        checked_ranges(after, {name: pair for name, pair in self.ranges.items() if name not in changes})
+        if changes:
+            build(after, self.level)
+        for name, old in self.structure.items():
+            if (new := getattr(after, name)) != old:
                 raise ValueError(
                     f"{name} = {new!r} changes the mechanism's structure, here with {name} = {old!r}; set it when the "
                     "environment is made"
                 )
 
-    def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
-        """Parameters of one episode: those of a design, some drawn, then some changed."""
-        return design.with_changes({**drawn(self.ranges, generator), **changes})
+    def draw(self, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
+        """Parameters of one episode: some drawn, then some changed."""
+        return self.array.with_changes({**drawn(self.ranges, generator), **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""

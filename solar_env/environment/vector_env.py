@@ -1,5 +1,6 @@
 """The Gymnasium vector environment: many deploying arrays that advance together on all cores."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from operator import index
 from typing import Any
@@ -62,12 +63,12 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             if number is not None and not is_whole_number(plain(number), 1):
                 raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
         self.num_envs = int(num_envs)
-        by_lane = _by_lane("parameters", keywords.get("parameters"), self.num_envs)
-        settings = EnvironmentSettings.of({**keywords, "parameters": by_lane[0]})
+        lanes = _settings_by_lane(keywords, self.num_envs)
+        settings = lanes[0]
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         if self.render_mode == "human":
             raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
-        self.parameters = [settings.design(entry) for entry in by_lane]
+        self.parameters = [of_lane.array for of_lane in lanes]
         self.model = str(settings.level)
         self.randomize, self.hardware = settings.ranges, settings.devices
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
@@ -77,7 +78,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.single_observation_space, self.single_action_space = settings.observation_space(), settings.action_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.episodes = Episodes(settings, self.parameters, num_threads)
+        self.episodes = Episodes(lanes, num_threads)
         seeded = [seeding.np_random() for _ in range(num_envs)]
         self._generators, self._seeds = [generator for generator, _ in seeded], [seed for _, seed in seeded]
         self._longest = max_episode_steps
@@ -127,7 +128,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         chosen = [by_lane[lane] for lane in begun]
         with self.episodes.alone():
             for lane, change in zip(begun, chosen, strict=True):
-                self.episodes.settings.check_changes(self.parameters[lane], change)
+                self.episodes.lanes[lane].check_changes(change)
             seeded = {lane: seeding.np_random(index(seeds[lane])) for lane in begun if seeds[lane] is not None}
             for lane, (generator, used) in seeded.items():
                 self._generators[lane], self._seeds[lane] = generator, used
@@ -210,6 +211,17 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.episodes.close()
 
 
+def _settings_by_lane(keywords: Mapping[str, Any], lanes: int) -> list[EnvironmentSettings]:
+    """The settings of every lane, whose arrays have one structure."""
+    given = _by_lane("parameters", keywords.get("parameters"), lanes)
+    found = {id(entry): EnvironmentSettings.of({**keywords, "parameters": entry}) for entry in given}
+    settings = [found[id(entry)] for entry in given]
+    for lane, (name, one) in itertools.product(range(lanes), settings[0].structure.items()):
+        if (other := settings[lane].structure[name]) != one:
+            raise ValueError(f"{name} is {one!r} in lane 0 and {other!r} in lane {lane}; make it the same in all lanes")
+    return settings
+
+
 def _by_lane(name: str, given: object, lanes: int) -> list[Any]:
     """An entry for each lane: those of a sequence, or one and the same."""
     entries = list(given) if isinstance(given, (Sequence, np.ndarray)) else [given] * lanes
@@ -230,6 +242,9 @@ class Lane:
             raise AttributeError(f"a lane has no {name!r}")
         if name in ("observation_space", "action_space"):
             return getattr(self._env, f"single_{name}")
+        if name in ("task", "randomize"):
+            of_lane = self._env.episodes.lanes[self._index]
+            return of_lane.task if name == "task" else of_lane.ranges
         value = getattr(self._env, name)
         return value[self._index] if name in ("parameters", "np_random", "np_random_seed") else value
 

@@ -34,6 +34,7 @@ STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may 
     "legend.fontsize": 7.5,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
+    "text.usetex": False,  # where the user's own style asks for LaTeX, which may be missing
     "svg.hashsalt": "solar_env",  # without it the names inside an SVG differ from run to run
 }
 

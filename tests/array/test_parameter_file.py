@@ -86,7 +86,7 @@ REFUSED = (
     ("body_mass = 900\ncontact_law = 'pereira'", "contact_stiffness = 73900000000.0 is that of spheres"),
     # What is no file of parameters.
     ("body_mass = \nbody_inertia = 1", "is no TOML"),
-    (b"\xff\xfe", "is no TOML: 'utf-8' codec"),
+    (b"\xfe", "is no TOML: 'utf-8' codec"),
     (b"a = " + b"[" * 5000, "is no TOML"),
     (b"panel_length = " + b"1" * 10_000, "is no TOML"),
     (b"#" * 2**21, "is longer than the 1,048,576 bytes"),
@@ -99,6 +99,16 @@ def test_a_refusal_names_the_file_and_the_rule(file):
         with pytest.raises(ValueError, match=re.escape(words)) as refusal:
             read_parameters(path)
         assert str(path) in str(refusal.value)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_a_file_of_an_editor_or_a_shell_of_windows_is_read(file, encoding):
+    assert read_parameters(file("body_mass = 900\r\n".encode(encoding))).parameters.body_mass == 900
+
+
+def test_explanations_are_there_without_docstrings(run_python):
+    program = "from solar_env.array.parameters.file import units; print(units()['clearance'])"
+    assert run_python(program, PYTHONOPTIMIZE="2").strip() == "m"
 
 
 @pytest.fixture
@@ -114,6 +124,14 @@ def untold(monkeypatch):
         ("panel_young = 280", "panel_young = 280 Pa is implausibly small (under 1e+05 Pa); give it in Pa, not in MPa"),
         ("[randomize]\nbody_size = [1.0, 1000.0]", "body_size = 1000 m is implausibly large"),
         ("initial_rate = [0.0, 20.0]", "initial_rate = 20 rad/s is implausibly large"),
+        ("panel_damping = 0.02", "give it in s, not in parts of the critical damping"),
+        ("latch_gap = 1", "latch_gap = 1 rad is implausibly large for a spacecraft (over 0.3 rad)"),
+        ("panel_density = 3.5", "give it in kg/m3, not in kg/m2"),
+        ("spring_stiffness = 400", "give it in N m/rad, not in N mm/rad"),
+        ("friction_coefficient = 15", "friction_coefficient = 15 is implausibly large for a spacecraft (over 2)"),
+        ("latch_stiffness = 1e9", "give it in N m/rad, not in N mm/rad"),
+        ("body_inertia = 1.28e7", "is a radius of gyration of 92.4 m, larger than body_size = 1 m"),
+        ("bearing_young = 70e9", "bearing_young = 70000000000.0 changes nothing: contact_stiffness = 7390"),
     ],
 )
 def test_a_value_in_another_unit_is_warned_of_once_by_value_and_unit(content, words, file, untold):

@@ -175,8 +175,8 @@ def test_hinges_and_loops_that_differ_become_those_of_the_mechanism() -> None:
 
 def test_changes_leave_the_original_alone_and_may_be_lists() -> None:
     p = ArrayParameters()
-    changed = p.with_changes({"clearance": [1e-4, 3e-4], "body_mass": 10.0})
-    assert (changed.clearance, changed.body_mass) == ((1e-4, 3e-4), 10.0)
+    changed = p.with_changes({"clearance": [1e-4, 3e-4], "body_mass": 900.0})
+    assert (changed.clearance, changed.body_mass) == ((1e-4, 3e-4), 900.0)
     assert p == ArrayParameters()
 
 

@@ -72,6 +72,26 @@ def test_the_randomised_scenario_is_the_documented_one():
     assert env.parameters == ArrayParameters(contact_law="flores")
 
 
+def test_the_ranges_of_a_scenario_are_around_the_array_that_is_given():
+    given = {"spring_stiffness": (1.0, 3.0), "clearance": 1e-3, "friction_coefficient": 0.0, "initial_spin": 0.1}
+    env = make(DEPLOY_RANDOMISED_V1, parameters={**given, "panel_count": 3, "restitution": 0.5})
+    expected = {
+        "spring_stiffness": ((0.9, 2.7, 2.7), (1.1, 3.3, 3.3)),
+        "clearance": (2.5e-4, 2.5e-3),
+        "friction_coefficient": (0.0, 0.0),
+        "initial_spin": (0.095, 0.105),
+        "restitution": (0.5 ** (math.log(0.7) / math.log(0.9)), 0.5 ** (math.log(0.95) / math.log(0.9))),
+    }
+    for name, pair in expected.items():
+        for bound, by_joint in zip(env.randomize[name], pair, strict=True):
+            assert np.asarray(bound) == pytest.approx(np.broadcast_to(by_joint, np.shape(bound)), rel=1e-12), name
+    perfect = make(DEPLOY_RANDOMISED_V1, parameters=ArrayParameters(restitution=1.0, body_fixed=True))
+    assert perfect.randomize["restitution"] == (1.0, 1.0)
+    assert "initial_spin" not in perfect.randomize, "a hub that is held"
+    with pytest.raises(ValueError, match="scenario='randomised' draws around the array's parameters: clearance = "):
+        make(DEPLOY_RANDOMISED_V1, parameters={"clearance": 5e-3})
+
+
 def test_keywords_change_a_scenario_or_take_the_place_of_its_parts():
     env = make(DEPLOY_RANDOMISED_V1, randomize={"clearance": (1e-4, (2e-4, 3e-4))}, hardware={"sensor_delay": 0})
     assert env.randomize == {"clearance": ((1e-4, 1e-4), (2e-4, 3e-4))}

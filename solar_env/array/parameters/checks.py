@@ -17,7 +17,7 @@ ArrayParameters = Any  # of `parameters`, which imports this module
 
 
 class UnitWarning(SimulationWarning):
-    """A parameter is so large or small that it was probably given in another unit."""
+    """A parameter was probably given in another unit, or changes nothing beside another one."""
 
 
 class Rule(NamedTuple):
@@ -65,9 +65,12 @@ SHARE = Rule(math.ulp(0.0), 1.0, "must lie in (0, 1]")
 POISSON = Rule(math.nextafter(-1.0, 0.0), 0.5, "must lie in (-1, 0.5]")
 LENGTH, PLACE = Usual(0.005, 50.0, "m", "mm"), Usual(0.0, 50.0, "m", "mm")
 MODULUS = Usual(1e5, 5e12, "Pa", "MPa or GPa")
+SPRING, ROTARY = Usual(1e-6, 100.0, "N m/rad", "N mm/rad"), Usual(0.0, 1e7, "N m/rad", "N mm/rad")
+PLAY_ANGLE = Usual(0.0, 0.3, "rad", "degrees")
 SPEED = Usual(1e-9, 1.0, "m/s", "mm/s")
 ANGULAR_RATE = Usual(0.0, 10.0, "rad/s", "degrees per second")
 _LEAST_PROPORTION = 1e-12
+_MODULI = ("journal_young", "journal_poisson", "bearing_young", "bearing_poisson")
 
 
 def number(default: object, rule: Rule = ANY, usual: Usual | None = None, **marks: Any) -> Any:
@@ -119,9 +122,22 @@ def check_parameters(p: ArrayParameters) -> None:
         if given < 1.0 and restitution not in told:
             told.add(restitution)
             warn(restitution_text(p.contact_law, restitution, given))
+    _tell_of_no_effect(p)
     for name, usual in ((item.name, row_of(item).usual) for item in fields(p)):
         if usual:
             _warn_of_implausible(name, p.entries(name), usual)
+
+
+def _tell_of_no_effect(p: ArrayParameters) -> None:
+    """Warn of moduli that a given stiffness takes the place of."""
+    usual = {item.name: item.default for item in fields(p)}
+    for name in _MODULI:
+        if p.contact_stiffness is not None and (value := getattr(p, name)) != usual[name]:
+            text = (
+                f"{name} = {value!r} changes nothing: contact_stiffness = {p.contact_stiffness!r} is given, which "
+                "follows from the moduli only where it is None"
+            )
+            _tell_once(name, value, text)
 
 
 def _check_value(p: ArrayParameters, name: str, default: object, row: Row) -> None:
@@ -151,6 +167,12 @@ def _check_bodies(p: ArrayParameters) -> None:
         f"hinge_x = {p.hinge_x!r}, hinge_y = {p.hinge_y!r} and body_size = {p.body_size!r}"
     )
     _require(p, "body_inertia", _in_proportion(gyration / length, 0.0, p.hinge_y / length), rule)
+    if gyration > p.body_size:
+        text = (
+            f"body_inertia = {p.body_inertia:g} kg m2 is a radius of gyration of {gyration:.3g} m, larger than "
+            f"body_size = {p.body_size:g} m; give it in kg m2, not in kg mm2, or a larger body_size"
+        )
+        _tell_once("body_inertia", gyration / p.body_size, text)
     gyration = math.hypot(p.panel_length, p.panel_thickness) / math.sqrt(12.0)
     rule = f"is out of proportion to panel_length = {p.panel_length!r}"
     _require(p, "panel_thickness", _in_proportion(gyration / p.panel_length, 0.5, 0.0), rule)
@@ -175,11 +197,18 @@ _told: set[tuple[str, str]] = set()
 
 
 def _warn_of_implausible(name: str, entries: tuple[float | None, ...], usual: Usual) -> None:
-    """Warn, once a process, of the first entry beyond what spacecraft have."""
+    """Warn of the first entry beyond what spacecraft have."""
     low, high, unit, slip = usual
     odd = [value for value in entries if value and not low <= abs(value) <= high]
-    if odd and (name, f"{odd[0]:.2g}") not in _told:
-        _told.add((name, f"{odd[0]:.2g}"))
-        bound = f"large for a spacecraft (over {high:.3g}" if abs(odd[0]) > high else f"small (under {low:.3g}"
-        text = f"{name} = {odd[0]:g} {unit} is implausibly {bound} {unit}); give it in {unit}, not in {slip}"
+    if odd:
+        of = f" {unit}" if unit else ""
+        bound = f"large for a spacecraft (over {high:.3g}{of}" if abs(odd[0]) > high else f"small (under {low:.3g}{of}"
+        text = f"{name} = {odd[0]:g}{of} is implausibly {bound}); give it in {unit or 'parts of one'}, not in {slip}"
+        _tell_once(name, odd[0], text)
+
+
+def _tell_once(name: str, value: float, text: str) -> None:
+    """Warn, once a process for values that are nearly the same."""
+    if (name, f"{value:.2g}") not in _told:
+        _told.add((name, f"{value:.2g}"))
         warnings.warn(text, UnitWarning, stacklevel=2)

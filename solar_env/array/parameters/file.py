@@ -5,6 +5,8 @@ known exactly: `tolerance` gives half-widths about the values, `randomize` low a
 environments does. Both are drawn uniformly, by joint where the parameter is.
 """
 
+import ast
+import codecs
 import inspect
 import json
 import math
@@ -12,6 +14,7 @@ import re
 import textwrap
 import tomllib
 from dataclasses import fields
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,7 +52,9 @@ def read_parameters(path: str | Path) -> ParameterFile:
     path = Path(path)
     encoded = read_at_most(path, _MOST_BYTES)
     try:
-        values: dict[str, Any] = tomllib.loads(encoded.decode("utf-8"))
+        # Windows' editors begin with a mark, and its shell writes what another program prints in UTF-16, marked too.
+        marked_16 = encoded.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+        values: dict[str, Any] = tomllib.loads(encoded.decode("utf-16" if marked_16 else "utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} is no TOML: {error}; solar-env parameters prints a file") from error
     try:
@@ -101,9 +106,14 @@ def _explained(error: ValueError) -> str:
     return f"{error}; {name} is: {texts[name]}" if name in texts else str(error)
 
 
+@cache
 def explanations() -> dict[str, str]:
     """Explain each parameter, with its unit and source: the docstring of `ArrayParameters`, by name."""
-    document = inspect.cleandoc(ArrayParameters.__doc__ or "").split("Attributes:\n")[1]
+    (document,) = (  # from the source: python -OO leaves docstrings out
+        (ast.get_docstring(node) or "").split("Attributes:\n")[1]
+        for node in ast.parse(Path(inspect.getfile(ArrayParameters)).read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ClassDef) and node.name == ArrayParameters.__name__
+    )
     texts: dict[str, str] = {}
     for names, text in re.findall(r"^ {4}(\w[\w, ]*):((?:.|\n {8})*)", document, re.MULTILINE):
         texts |= dict.fromkeys(names.split(", "), " ".join(text.split()).rstrip("."))

@@ -1,21 +1,34 @@
 """Episodes kept as trajectories, for plots and pages."""
 
+import hashlib
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
 
-from solar_env.mechanics.records.recording import Recorder, make_recorder
+from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table
 
-_CONTACTS = 100_000  # of an episode, at most
+_CONTACTS = 1000  # that there is room for at first
+
+
+class _Moment(NamedTuple):
+    """How much had been recorded when the state was one of which this is the digest."""
+
+    digest: bytes
+    samples: int
+    contacts: int
 
 
 class RecordTrajectory(gymnasium.Wrapper):
     """Keep the present episode of an environment, with samples every `output_step` [s], as a `Trajectory`.
 
-    The episode stays the same to the bit.
+    The episode stays the same to the bit. What was recorded after a state between two steps that is restored is
+    forgotten: the trajectory is what led to the present state.
+
+    Raises:
+        RuntimeError: By `step` and `trajectory`, where a state was restored to which nothing recorded has led.
     """
 
     def __init__(self, env: gymnasium.Env, output_step: float = 0.005) -> None:
@@ -23,7 +36,7 @@ class RecordTrajectory(gymnasium.Wrapper):
             raise ValueError(f"output_step = {output_step!r} s must be positive and finite")
         super().__init__(env)
         self._step = output_step
-        self._recorder: Recorder | None = None
+        self._moments: list[_Moment] = []
 
     def reset(self, *, seed: int | None = None, options: dict[str, object] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its record."""
@@ -32,22 +45,52 @@ class RecordTrajectory(gymnasium.Wrapper):
         task = env.task
         longest = task.deadline * (1.0 + task.overtime) + task.settling_window + task.control_period
         times = np.arange(math.ceil(longest / self._step)) * self._step
-        self._recorder = make_recorder(env.simulation.model, env.simulation.state, times, _CONTACTS)
-        env._episodes.batch.record(self._recorder)
+        env._episodes.batch.record(make_recorder(env.simulation.model, env.simulation.state, times, _CONTACTS))
+        self._moments = [_Moment(self._digest(), 0, 0)]
         return result
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Take a step, and record it."""
+        if self._moments:
+            self._forget()
+        try:
+            return super().step(action)
+        finally:  # a simulation that cannot go on has come to a state, too
+            if self._moments:
+                self._moments.append(_Moment(self._digest(), *self._recorder.filled.tolist()))
+
+    @property
+    def _recorder(self) -> Any:
+        env: Any = self.unwrapped
+        return env._episodes.batch.recorder
+
+    def _digest(self) -> bytes:
+        env: Any = self.unwrapped
+        state = env.simulation.state
+        return hashlib.sha256(state.clock["time"].tobytes() + state.q.tobytes() + state.v.tobytes()).digest()
+
+    def _forget(self) -> None:
+        """Forget what was recorded after the present state."""
+        digests = [moment.digest for moment in self._moments]
+        if (present := self._digest()) not in digests:
+            raise RuntimeError("the present state was restored and nothing recorded has led to it: call reset()")
+        del self._moments[digests.index(present) + 1 :]
+        self._recorder.filled[:] = self._moments[-1][1:]
 
     @property
     def trajectory(self) -> Trajectory:
         """The episode so far."""
-        env: Any = self.unwrapped
-        if self._recorder is None or self._recorder.filled[0] == 0:
+        if len(self._moments) < 2:
             raise gymnasium.error.ResetNeeded("there is nothing recorded yet: call reset() and step()")
-        simulation, (samples, contacts) = env.simulation, self._recorder.filled.tolist()
-        kept = self._recorder._replace(times=self._recorder.times[:samples], samples=self._recorder.samples[:samples])
+        self._forget()
+        env: Any = self.unwrapped
+        simulation, recorder = env.simulation, self._recorder
+        samples, contacts = recorder.filled.tolist()
+        kept = recorder._replace(times=recorder.times[:samples], samples=recorder.samples[:samples])
         details = {
             "model": env.model,
             "parameters": env.episode_parameters.to_dict(),
             "integrator": simulation.integrator.name,
         }
-        table = contact_table(simulation.state, kept.contacts[:contacts])
+        table = contact_table(simulation.state, recorder.contacts[:contacts])
         return assemble(simulation.model, simulation.state, kept, table, details)

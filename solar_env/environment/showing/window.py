@@ -19,7 +19,10 @@ def open_display() -> Any:
     """
     import pygame
 
-    advice = "run it where there is one, or show an episode on a page or film it (solar-env replay)"
+    advice = (
+        "run it where there is one, set SDL_VIDEODRIVER=dummy where nobody is to see it (for an environment checker), "
+        "or film an episode (solar-env replay)"
+    )
     try:
         pygame.display.init()
     except pygame.error as error:

@@ -4,6 +4,7 @@ Below, `motor` is a row of `motor_type`, and `memory` (MEMORY,) is what a motor'
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -37,7 +38,10 @@ motor_type = np.dtype((np.record, np.dtype([("joint", "i8"), *((name, "f8") for 
 
 
 class TaskNumbers(NamedTuple):
-    """A `Task` for kernels: times [s], samples of the drives in a control period, a row of `motor_type` by motor."""
+    """A `Task` for kernels: times [s], samples of the drives in a control period, a row of `motor_type` by motor.
+
+    For many lanes, which may differ in their motors alone, `motors` has a leading axis.
+    """
 
     control_period: float
     deadline: float
@@ -97,6 +101,27 @@ def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> Task
         ACTIONS[task.action],
         bool(task.drive_settles),
         np.array(motors, dtype=motor_type),
+    )
+
+
+def numbers_by_lane(lanes: Sequence[TaskNumbers]) -> TaskNumbers:
+    """The numbers of all lanes as one."""
+    return lanes[0]._replace(motors=np.stack([numbers.motors for numbers in lanes]))
+
+
+@kernel
+def numbers_of(lanes, lane):
+    """The numbers of one lane."""
+    return TaskNumbers(
+        lanes.control_period,
+        lanes.deadline,
+        lanes.last_chance,
+        lanes.settling_window,
+        lanes.sample_period,
+        lanes.samples,
+        lanes.action,
+        lanes.drive_settles,
+        lanes.motors[lane],
     )
 
 

@@ -1,6 +1,7 @@
 """A control period, lane by lane; a single environment is a batch of one lane.
 
-Below, `models` and `states` are handles of the arrays of all lanes, `task` is TaskNumbers, and `periods` is Periods.
+Below, `models` and `states` are handles of the arrays of all lanes, `task` is a lane's TaskNumbers, and `periods` is
+Periods.
 """
 
 import math
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.environment.task.control import all_latched, end_of_episode
-from solar_env.environment.task.drive import MEMORY, TaskNumbers, asked_torque, set_torque
+from solar_env.environment.task.drive import MEMORY, TaskNumbers, asked_torque, numbers_of, set_torque
 from solar_env.environment.task.observations import observe
 from solar_env.environment.task.reward import charge
 from solar_env.mechanics.arrays import model as m
@@ -45,7 +46,7 @@ def settling_samples(task: TaskNumbers) -> int:
 
 def make_periods(lanes: int, task: TaskNumbers, terms: int, exact: NDArray[np.float32]) -> Periods:
     """Allocate the arrays of some lanes, whose observations `exact` (lanes, measured) are."""
-    motors = task.motors.size
+    motors = task.motors.shape[-1]
     return Periods(
         np.zeros((lanes, motors)),
         np.zeros((lanes, task.samples + (settling_samples(task) if task.drive_settles else 0), motors)),
@@ -101,14 +102,14 @@ def end_period(model, state, task, channels, prices, periods, lane):
 @kernel(inlined=False)
 def hold_lanes(
     models, states, settings, recorder, arrays, queue, counter, steps_left, statuses,
-    address, task, channels, prices, periods,
+    address, tasks, channels, prices, periods,
 ):  # fmt: skip
     """Hold actions for a control period in lanes one after the other, next to other threads that do the same.
 
     Args:
         models, states, settings, recorder, arrays, queue, counter, steps_left, statuses: of `advance_lanes`.
         address: of `advance_lanes` for these.
-        task: TaskNumbers.
+        tasks: TaskNumbers of all lanes.
         channels: (measured,) of `observations.channels`.
         prices: (terms,) of `reward.Reward`.
         periods: of all lanes; those that fail keep what they have observed and earned.
@@ -119,6 +120,7 @@ def hold_lanes(
             break
         lane = queue[ticket]
         model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
+        task = numbers_of(tasks, lane)
         # With too few steps left, the last call ended within a sample.
         if statuses[lane] != m.TOO_MANY_STEPS:
             begin_period(state, task, periods, lane)
@@ -140,8 +142,8 @@ def hold_lanes(
 
 
 @kernel(inlined=False)
-def observe_lanes(models, states, task, channels, drives, lanes, observations):
+def observe_lanes(models, states, tasks, channels, drives, lanes, observations):
     """Write the observation of the present state, `observations` (lanes, measured) float32."""
     for lane in lanes:
         model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
-        observe(model, state, task, channels, drives[lane], observations[lane])
+        observe(model, state, numbers_of(tasks, lane), channels, drives[lane], observations[lane])

@@ -123,6 +123,9 @@ class Joint:
         if self.stop is None:
             for name in ("lock_angle", "stow_angle"):
                 require(getattr(self, name) is None, self, name, getattr(self, name), "needs a stop")
+        if self.lock_angle is not None and self.stow_angle is not None:
+            rule = f"must be below lock_angle = {self.lock_angle!r}"
+            require(self.stow_angle < self.lock_angle, self, "stow_angle", self.stow_angle, rule)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.numerics.by_address import address_of
 from solar_env.mechanics.numerics.handles import Handle
-from solar_env.mechanics.records.recording import Recorder, make_recorder
+from solar_env.mechanics.records.recording import Recorder, make_recorder, with_more_room
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import STEPS_BETWEEN_LOOKS, STEPS_PER_CALL, Simulation
 
@@ -39,6 +39,7 @@ class Batch:
         models, states: arrays of all lanes (`lanes.py`).
         handles: of these two.
         threads: most threads that advance lanes at the same time.
+        recorder: what `record` was given, or a larger one in its place.
     """
 
     def __init__(self, simulations: list[Simulation], threads: int | None = None) -> None:
@@ -66,7 +67,7 @@ class Batch:
         self.handles = Handle(self.models), Handle(self.states)
         method = method_of(first.integrator)
         self._settings = method.convert(first.integrator)
-        self._recorder = make_recorder(first.model, first.state, np.zeros(0), 0)
+        self.recorder = make_recorder(first.model, first.state, np.zeros(0), 0)
         self._arrays = [Handle(method.arrays(first.model, first.state)) for _ in range(self.threads)]
         self._counter = np.zeros(1, dtype=np.int64)
         self._statuses, self._steps_left = (np.zeros(count, dtype=np.int64) for _ in range(2))
@@ -115,7 +116,7 @@ class Batch:
         """
         if len(self.simulations) != 1:
             raise ValueError(f"a batch of {len(self.simulations)} lanes cannot be recorded; take one of a single lane")
-        self._recorder = recorder
+        self.recorder = recorder
 
     def advance(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
         """Advance some lanes, and look at their accuracy now and then as `Simulation.advance` does.
@@ -151,7 +152,8 @@ class Batch:
         """Run a kernel over some lanes (k,) as `attempt` runs `advance_lanes`, with the same result.
 
         The kernel takes the arguments of `advance_lanes` up to `statuses`, then `further` ones. Every lane is DONE
-        beforehand; the kernel is called again for those that it leaves with TOO_MANY_STEPS.
+        beforehand; the kernel is called again for those that it leaves with TOO_MANY_STEPS, as it does too where the
+        record of contacts is full.
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")] if lanes.size > 1 else lanes
         left, clock = self.integrator.max_steps, self.states.clock
@@ -161,6 +163,10 @@ class Batch:
             allowed = min(max(STEPS_PER_CALL * threads // queue.size, _FEWEST_STEPS_PER_CALL), left)
             self._steps_left[queue], left = allowed, left - allowed
             self._run_once(kernel, queue, further, threads)
+            paused = queue[self._statuses[queue] == m.PAUSED]
+            if paused.size:
+                self.recorder = with_more_room(self.recorder)
+                self._statuses[paused] = m.TOO_MANY_STEPS
             queue = queue[self._statuses[queue] == m.TOO_MANY_STEPS]
         steps = clock["steps"][:, 0]
         np.subtract(steps, self._steps, out=self._last_steps)
@@ -194,7 +200,7 @@ class Batch:
         return (
             *self.handles,
             self._settings,
-            self._recorder,
+            self.recorder,
             self._arrays[thread],
             queue,
             self._counter,

@@ -85,6 +85,14 @@ class Simulation:
         joints, angles = self.model.joints, self.joint_loads()[:, columns.ANGLE]
         inside = joints["stow_angle"] - joints["stop_gap"] - angles > 0.0
         self.state.joints["stop_engaged"] = inside & (joints["has_stow_stop"] != 0)
+        depths = np.where(joints["has_latch"] != 0, angles - joints["lock_angle"] - joints["stop_gap"], 0.0)
+        for joint in np.flatnonzero(depths > 0.0).tolist():
+            row, depth = joints[joint], float(depths[joint])
+            energy = float(row["stop_stiffness"]) * depth ** (row["stop_exponent"] + 1.0) / (row["stop_exponent"] + 1.0)
+            warn(
+                f"joint {joint + 1} begins {depth:.3g} rad deep in its latch, which closes at once and then holds "
+                f"{energy:.3g} J that nothing has put in; begin below its lock angle, {row['lock_angle']:.6g} rad"
+            )
 
     def __getstate__(self) -> dict[str, object]:
         """For copies and pickles: without arrays that share their memory with the state; those of a copy would not."""

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, ModelLevel, ParameterFile
+from solar_env.mechanics.running.errors import SimulationError
+from solar_env.studies.common.failures import told
 from solar_env.studies.common.motion import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
 from solar_env.studies.loads.runs import deploy, member_parameters
@@ -54,11 +56,15 @@ class LoadsPlan:
 
 
 def run_member(cell: Cell) -> dict[str, object]:
-    """Quantities, spectra and warnings of a member at a level, as values that JSON keeps."""
+    """Quantities, spectra and warnings of a member at a level, or why it failed, as values that JSON keeps."""
     level = Level(cell["model"], cell["tighter"])
     nominal = ArrayParameters().with_changes(cell["parameters"])
     parameters = member_parameters(nominal, cell["randomize"], cell["member"])
-    done = deploy(level, parameters, cell["member"], cell["window"], cell["deadline"])
+    try:
+        done = deploy(level, parameters, cell["member"], cell["window"], cell["deadline"])
+    except SimulationError as error:
+        values = "".join(f", {name} = {_shown(getattr(parameters, name))}" for name in cell["randomize"])
+        return {"failed": {f"run {cell['member']} of {level.name}{values}": str(error)}}
     return {
         "latched": bool(np.isfinite(done.trajectory.latch_times).all()),
         "quantities": read_all(done),
@@ -66,6 +72,10 @@ def run_member(cell: Cell) -> dict[str, object]:
         "hub_spectrum": done.hub_spectrum.tolist(),
         "warnings": list(done.warnings),
     }
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str([float(f"{entry:.6g}") for entry in value])
 
 
 @dataclass(frozen=True)
@@ -78,6 +88,7 @@ class Loads:
     hub_spectrum: Array  # (levels, members, f)
     unlatched: Sequence[int]  # members that did not latch by the deadline, of the level and of the finest one
     warnings: Mapping[str, int]  # text -> in how many runs the simulator said it
+    failures: str  # which runs failed, and why; empty where none did
 
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
@@ -102,14 +113,19 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console)
 
 
 def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
-    """The figures of results, member by member, the chosen level first.
+    """The figures of results, member by member, the chosen level first; one that failed at either is left out.
 
     Raises:
-        ValueError: if in no run all joints latch.
+        ValueError: if in no run all joints latch, or too many have failed.
     """
-    levels = results[::2], results[1::2]
+    failed: dict[str, str] = {}
+    for run in results:
+        failed |= run.get("failed", {})
+    failures, pairs = told(failed, len(results)), zip(results[::2], results[1::2], strict=True)
+    whole = [pair for pair in pairs if not any("failed" in run for run in pair)]
+    levels = [run for run, _ in whole], [finest for _, finest in whole]
     unlatched = [sum(not run["latched"] for run in runs) for runs in levels]
-    if min(unlatched) == plan.members:
+    if min(unlatched) == len(whole):
         raise ValueError(
             f"in none of {plan.members} runs all joints latch within {plan.deadline:g} s; give a longer --deadline, or "
             "stiffer springs"
@@ -118,8 +134,9 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
     for name in QUANTITIES:
         level, finest = (np.array([run["quantities"][name] for run in runs], dtype=float) for runs in levels)
         figures[name] = tuple(figure_of(*values) for values in zip(level.T, finest.T, strict=True))
-    both = [k for k in range(plan.members) if levels[0][k]["latched"] and levels[1][k]["latched"]]
+    both = [k for k in range(len(whole)) if levels[0][k]["latched"] and levels[1][k]["latched"]]
     hinge, hub = (
         np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
     )
-    return Loads(plan, figures, hinge, hub, unlatched, Counter(text for run in results for text in run["warnings"]))
+    said = Counter(text for pair in whole for run in pair for text in run["warnings"])
+    return Loads(plan, figures, hinge, hub, unlatched, said, failures)

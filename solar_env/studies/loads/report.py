@@ -17,6 +17,7 @@ from solar_env.studies.loads.statistics import Figure, counted, rounded, shorten
 
 COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "model error")
 WEAR_LIMIT = 1e-6  # m, to which deployments are counted
+MANY_DEPLOYMENTS = 1e5  # more than any array sees, ground tests included
 _SHOWN = slice(3, None, 6)  # of the frequencies, in the table
 
 
@@ -29,6 +30,7 @@ def answer(loads: Loads) -> list[str]:
     stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in worst.items()}
     joint, deepest = worst["wear_depth"]
     deployments = WEAR_LIMIT / deepest.mean if deepest.mean > 0.0 else math.inf
+    negligible = "which is negligible: " if deployments > MANY_DEPLOYMENTS else ""
     hub = [
         f"{_with_interval(figure, quantity)} ({_with_model_error(figure, quantity)})"
         for name in ("hub_excursion", "hub_force", "hub_torque")
@@ -37,8 +39,8 @@ def answer(loads: Loads) -> list[str]:
     return [
         f"Joint {worst['peak_force'][0]} is hit hardest: peak force {stated['peak_force']}.",
         f"The impulse after latching is greatest at joint {worst['impulse'][0]}: {stated['impulse']}.",
-        f"A deployment wears joint {joint} deepest: {stated['wear_depth']}; {counted(deployments)} deployments to "
-        "1 micrometre, if every one wears the same place.",
+        f"A deployment wears joint {joint} deepest: {stated['wear_depth']}; {negligible}{counted(deployments)} "
+        "deployments to 1 micrometre, if every one wears the same place.",
         f"The hub turns by {hub[0]} at most and sees {hub[1]} and {hub[2]} at the peak.",
         _basis(loads),
     ]
@@ -87,9 +89,16 @@ def _model_error(figure: Figure, quantity: Quantity) -> str:
 def _basis(loads: Loads) -> str:
     """State what the figures rest on, and what is missing."""
     plan, (level, finest) = loads.plan, loads.plan.levels
-    drawn = ", ".join(plan.array.randomize) or "no parameter"
+    drawn = ", ".join(plan.array.randomize)
     runs = "1 run" if plan.members == 1 else f"{plan.members} runs"
-    text = f"{runs} of each level, released within 0.5 mrad/s of rest; drawn: {drawn}."
+    text = f"{runs} of each level, released within 0.5 mrad/s of rest; "
+    if drawn:
+        text += f"drawn: {drawn}."
+    else:
+        text += (
+            "no parameter is drawn, so that intervals and quantiles are those of the release alone, which is assumed: "
+            "give tolerances in the file."
+        )
     if plan.members >= FEWEST:
         text += " \u00b1 is the 95 % interval of a mean."
     else:
@@ -103,6 +112,8 @@ def _basis(loads: Loads) -> str:
             f" In {loads.unlatched[0]} runs of the level and {loads.unlatched[1]} of the finest a joint had not "
             f"latched within {plan.deadline:g} s; they count only where no latching is needed."
         )
+    if loads.failures:
+        text += f" {loads.failures}"
     for warning, times in loads.warnings.items():
         text += f" In {times} of {2 * plan.members} runs: {warning}."
     return text

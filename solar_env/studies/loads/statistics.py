@@ -67,7 +67,7 @@ def high_quantile(values: Array) -> tuple[float, float]:
 def rounded(value: float, uncertainty: float) -> str:
     """A value with the digits that an uncertainty leaves it: the last one shown is the first that is uncertain.
 
-    One more where the uncertainty begins with a 1. Two digits where no uncertainty is known.
+    One more where the uncertainty begins with a 1, and one at least. Two digits where no uncertainty is known.
     """
     if not (math.isfinite(value) and math.isfinite(uncertainty)) or value == 0.0:
         return shortened(value)
@@ -76,7 +76,7 @@ def rounded(value: float, uncertainty: float) -> str:
     last = math.floor(math.log10(uncertainty))
     last -= uncertainty / 10.0**last < 2.0
     digits = math.floor(math.log10(abs(value))) - last + 1
-    return shortened(value, digits) if digits > 0 else "0"
+    return shortened(value, max(digits, 1))
 
 
 def shortened(value: float, digits: int = 2) -> str:

@@ -13,6 +13,7 @@ from PIL import Image
 from agents.commands import replay
 from solar_env.__main__ import main
 from solar_env.environment.registration import DEPLOY_V1
+from solar_env.environment.showing import recording
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.pictures import films
 from solar_env.studies.common.deployment_page import scenes_of
@@ -41,6 +42,37 @@ def test_a_recorded_episode_stays_the_same_to_the_bit_and_agrees_with_its_figure
     assert trajectory.time[-1] == pytest.approx(figures["duration_s"], abs=0.002)
     assert np.ptp(trajectory.motor_torque[1:, 0]) == 0.0
     assert trajectory.energy_residual < 1e-3 * trajectory.energy_put_in
+
+
+def test_what_was_recorded_after_a_state_that_is_restored_did_not_happen():
+    tried, plain = (RecordTrajectory(gymnasium.make(DEPLOY_V1, model="rigid-clearance"), 0.05) for _ in range(2))
+    for env in (tried, plain):
+        env.reset(seed=0)
+        for _ in range(5):
+            env.step([0.0])
+    simulation = tried.unwrapped.simulation
+    before = simulation.snapshot()
+    for _ in range(5):
+        tried.step([1.0])
+    after = simulation.snapshot()
+    simulation.restore(before)
+    for env in (tried, plain):
+        for _ in range(5):
+            env.step([-1.0])
+    one, other = tried.trajectory, plain.trajectory
+    assert np.array_equal(one.angles, other.angles)
+    assert np.array_equal(one.motor_torque, other.motor_torque)
+    assert np.array_equal(one.contacts, other.contacts)
+    simulation.restore(after)
+    with pytest.raises(RuntimeError, match="nothing recorded has led to it"):
+        tried.step([0.0])
+
+
+def test_there_is_room_for_any_number_of_contacts(monkeypatch):
+    monkeypatch.setattr(recording, "_CONTACTS", 2)
+    env = RecordTrajectory(gymnasium.make(DEPLOY_V1, model="rigid-clearance", deadline=13.0, settling_window=1.0))
+    passive_episode(env)
+    assert len(env.trajectory.contacts) == env.trajectory.contact_starts.sum() > 100
 
 
 def test_nothing_recorded_and_a_bad_step_are_refused():

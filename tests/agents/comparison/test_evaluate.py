@@ -10,6 +10,7 @@ from helpers import numbers
 from PIL import Image
 from training import write_run
 
+from agents.comparison import evaluation
 from agents.comparison.controllers import parse_controller, parse_controllers
 from agents.comparison.evaluation import common_environment, evaluate
 from agents.comparison.report import reference, summarize, tabulate
@@ -19,6 +20,8 @@ from agents.learning import runs
 from agents.rollout import run_episode
 from solar_env.__main__ import execute
 from solar_env.environment.registration import DEPLOY_RANDOMISED
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.errors import SimulationError
 from solar_env.support.values import plain
 
 ALONE = ["--quiet", "--jobs", "1"]
@@ -41,6 +44,23 @@ def test_the_same_seeds_give_the_same_episodes_for_every_controller(rows):
         alone = [run_episode(env, make_baseline(law, env), seed)["return"] for seed in seeds]
         assert column(rows, controller, "return") == alone
     assert len(set(column(rows, "passive", "peak_postlock_force_N"))) == 3
+
+
+def test_an_episode_that_fails_is_named_and_left_out_for_all_and_many_are_refused(monkeypatch):
+    def fails(env, controller, seed):
+        if seed in failing:
+            raise SimulationError("at t = 1 s the state is no longer finite", 1.0, "not_finite")
+        return {"seed": seed, "return": 0.0}
+
+    monkeypatch.setattr(evaluation, "run_episode", fails)
+    seeds = episode_seeds("evaluation", 0, 12)
+    failing = seeds[3:4]
+    with pytest.warns(SimulationWarning, match=rf"2 of 24 runs failed .*passive, episode 3, seed {seeds[3]}: at t = 1"):
+        rows = evaluate(["passive", "again=passive"], 12, 0, progress=False)
+    assert [row["episode"] for row in rows] == [k for k in range(12) if k != 3] * 2
+    failing = seeds[3:6]
+    with pytest.raises(ValueError, match="6 of 24 runs failed, more than the 10% that may be left out"):
+        evaluate(["passive", "again=passive"], 12, 0, progress=False)
 
 
 def test_controllers_are_compared_with_the_best_law(rows):

@@ -116,6 +116,7 @@ BARE = replace(JOINT, stop=None, lock_angle=None)
         (JOINT, "sign", 0, "must be +1 or -1"),
         (BARE, "lock_angle", 1.0, "needs a stop"),
         (BARE, "stow_angle", 1.0, "needs a stop"),
+        (replace(JOINT, lock_angle=0.5), "stow_angle", 0.5, "must be below lock_angle = 0.5"),
         (BODY, "name", GROUND, "is reserved for the fixed frame"),
         (BEAM, "name", GROUND, "is reserved for the fixed frame"),
         *((BEAM, "elements", value, "must be a whole number") for value in (2.0, True, "3", None)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from solar_env.array.deployment import simulate
 from solar_env.array.parameters.file import ParameterFile
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.integrators.settings import ModalRadau, RungeKutta
+from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.motion import Level
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.loads import ensemble
@@ -138,7 +140,7 @@ def test_no_digit_is_shown_that_is_not_known():
     for value, uncertainty, text in ((0.0571234, 0.004, "0.057"), (1.6e7, 2.5e6, "1.6e+07"), (-2.6, 0.3, "-2.6")):
         assert rounded(value, uncertainty) == text
     assert rounded(math.nan, 1.0) == "-"
-    assert rounded(0.3, 41.0) == "0"
+    assert (rounded(0.3, 41.0), rounded(2412.0, 20_000.0)) == ("0.3", "2000"), "but none is rounded away"
 
 
 def test_a_figure_compares_the_same_members_and_says_what_it_cannot():
@@ -208,8 +210,10 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
         "55.60 N s (with 95 % confidence below 55.80 N s), model error -1.13 \u00b1 0.07 N s."
     )
     assert "30.2 \u00b1 1.2 fm" in wear
-    assert "model error +3 \u00b1 2 fm; 33,000,000 deployments to 1 micrometre," in wear
+    assert "model error +3 \u00b1 2 fm; which is negligible: 33,000,000 deployments to 1 micrometre," in wear
     assert "the model error of every figure is that seen at the finest level" in basis
+    undrawn = replace(loads.plan, array=ParameterFile(loads.plan.array.parameters, {}))
+    assert "those of the release alone, which is assumed" in answer(replace(loads, plan=undrawn))[-1]
     nan = math.nan
     alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, 1),)
     line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}))[0]
@@ -227,6 +231,26 @@ def test_what_is_read_scatters_but_the_energy_that_is_lost_does_not_hang_on_the_
         assert abs(figure.model_error) < 1e-4
     for figure in loads.figures["impulse"]:
         assert abs(figure.model_error) < 0.3 * figure.mean
+
+
+def test_a_member_that_fails_is_named_with_its_parameters_and_left_out(monkeypatch):
+    def fails(level, parameters, member, window, deadline):
+        raise SimulationError("at t = 1 s the state is no longer finite", 1.0, "not_finite")
+
+    monkeypatch.setattr(ensemble, "deploy", fails)
+    shared = {"model": RIGID.model, "tighter": 1.0, "window": 1.0, "deadline": 9.0, "member": 7}
+    drawn = {"parameters": FAST.parameters.to_dict(), "randomize": {"body_mass": (900.0, 901.0)}}
+    failed = ensemble.run_member({**shared, **drawn})
+    (name,) = failed["failed"]
+    assert re.fullmatch(r"run 7 of .*, body_mass = 900\.\d+", name)
+    unlike = {name: [1.0, 2.0] if name in JOINT_QUANTITIES else [1.0] for name in QUANTITIES}
+    run = {"latched": True, "quantities": unlike, "hinge_spectrum": [], "hub_spectrum": [], "warnings": []}
+    plan = ensemble.LoadsPlan(FAST, RIGID.model, members=6)
+    loads = ensemble.gathered(plan, [failed, *[run] * 11])
+    assert loads.figures["peak_force"][0].runs == 5
+    assert f"1 of 12 runs failed and are left out ({name}: at t = 1 s" in answer(loads)[-1]
+    with pytest.raises(ValueError, match="2 of 12 runs failed, more than the 10%"):
+        ensemble.gathered(plan, [failed, *[run] * 10, {"failed": {"another": "too"}}])
 
 
 def test_an_ensemble_that_never_latches_says_what_to_do():

@@ -1,0 +1,21 @@
+"""Members of ensembles whose simulation cannot go on: they are left out, named and counted, up to a share."""
+
+from collections.abc import Mapping
+
+LARGEST_SHARE = 0.1
+
+
+def told(failures: Mapping[str, str], runs: int) -> str:
+    """One sentence that says which of `runs` runs failed and why, by their names; empty where none did.
+
+    Raises:
+        ValueError: if so many did that the others are a choice rather than a sample.
+    """
+    if not failures:
+        return ""
+    named = "; ".join(f"{name}: {reason}" for name, reason in failures.items())
+    if len(failures) > LARGEST_SHARE * runs:
+        raise ValueError(
+            f"{len(failures)} of {runs} runs failed, more than the {LARGEST_SHARE:.0%} that may be left out ({named})"
+        )
+    return f"{len(failures)} of {runs} runs failed and are left out ({named})."

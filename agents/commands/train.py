@@ -17,6 +17,7 @@ from solar_env.support.progress import print_markdown
 from solar_env.support.versions import versions
 
 LAWS = ("passive", "pd", "servo")
+OF_A_RUN = ("algo", "seed", "n_envs", "hyperparams", "env_id", "model", "env_kwargs", "out")
 
 
 @dataclass
@@ -51,6 +52,9 @@ def run_command(args: Args) -> int:
     episode_seeds("evaluation", 0, args.eval_episodes)  # refuses a number without any
     args.workers  # noqa: B018 (checks them)
     if args.resume:
+        for name in OF_A_RUN:
+            if getattr(args, name) != getattr(Args(), name):
+                raise ValueError(f"--{name.replace('_', '-')} beside --resume: a run keeps its own; leave it out")
         config, folder = runs.read_config(args.resume), Path(args.resume)
     else:
         config = configuration(args)

@@ -223,7 +223,7 @@ _TITLES: Mapping[str, tuple[str, Callable[[Trajectory], Array]]] = {
         "Journals touch their bearings {} % of the time",
         lambda t: 100.0 * np.average(t.penetration[1:] > 0.0, axis=0, weights=np.diff(t.time)),
     ),
-    "motor": ("The motor turns with up to {} N m", lambda t: np.abs(t.motor_torque).max(keepdims=True)),
+    "motor": ("The motor turns with up to {} N m", lambda t: np.abs(t.motor_torque).max().reshape(1)),
     "energies": ("{} J of energy are left at the end", lambda t: _energies(t, np.array([-1]))[:, 2]),
     "wear": ("Bearings wear by up to {} fm (1e-15 m)", lambda t: _FEMTOMETRES * t.wear_bearing.max(axis=1)),
 }

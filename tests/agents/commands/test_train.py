@@ -47,3 +47,5 @@ def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message)
 def test_going_on_from_something_else_than_a_run_is_refused(tmp_path):
     with pytest.raises(FileNotFoundError, match="is not a run folder"):
         run("--resume", tmp_path)
+    with pytest.raises(ValueError, match="--n-envs beside --resume: a run keeps its own; leave it out"):
+        run("--resume", tmp_path, "--n-envs", 4)

@@ -53,7 +53,7 @@ def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, n
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
-        ({"torque_limit": 0.3}, r"torque_limit is 0\.3; the policy was trained with 1\.0"),
+        ({"deadline": 15.0}, r"deadline is 15\.0; the policy was trained with 20\.0"),
         ({"control_period": 0.1}, r"control_period is 0\.1; the policy was trained with 0\.5"),
         ({"settling_window": 5.0}, r"settling_window is 5\.0; the policy was trained with 10\.0"),
         ({"observation": "history"}, r"names is .*theta_1_1_ago"),

@@ -152,8 +152,8 @@ class EnvironmentSettings:
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
         if task.driven_joint >= len(self.array.joints):
             raise ValueError(
-                f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count!r}: the root "
-                "has index 0"
+                f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count!r}: the "
+                "root has index 0"
             )
         if self.torque_limit is None and self.devices.load_compensation:
             # The maker of a drive that is to hold the springs' load chooses the motor by it.

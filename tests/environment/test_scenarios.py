@@ -8,10 +8,10 @@ from dataclasses import replace
 import gymnasium
 import numpy as np
 import pytest
-from episodes import STRONG, watch
+from episodes import watch
 
 from solar_env import ArrayParameters, Hardware
-from solar_env.environment.registration import CURRENT, DEPLOY_RANDOMISED_V1, DEPLOY_V1, ENVIRONMENTS
+from solar_env.environment.registration import DEPLOY_RANDOMISED_V1, DEPLOY_V1, ENVIRONMENTS
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.task import VERSIONS
 
@@ -112,25 +112,6 @@ def test_hinges_differ_where_their_range_does_and_else_in_what_varies_from_hinge
     assert isinstance(drawn.latch_damping, float)
 
 
-def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit():
-    keywords = {"observation": "history", "parameters": STRONG, "settling_window": 1.0}
-    vector = gymnasium.make_vec(DEPLOY_RANDOMISED_V1, num_envs=3, autoreset_mode="NextStep", **keywords)
-    actions = np.random.default_rng(0).uniform(-1, 1, (50, 3, 1)).astype(np.float32)
-    seen = [vector.reset(seed=7)[0], *(vector.step(action)[0] for action in actions)]
-    for lane in range(3):
-        env = gymnasium.make(DEPLOY_RANDOMISED_V1, **keywords).unwrapped
-        alone, over = [env.reset(seed=7 + lane)[0]], False
-        for action in actions[:, lane]:
-            if over:
-                alone.append(env.reset()[0])
-                over = False
-            else:
-                observation, _, over, _, _ = env.step(action)
-                alone.append(observation)
-        assert np.array_equal(np.array(alone), np.array(seen)[:, lane])
-    vector.close()
-
-
 def test_ranges_that_make_no_sense_are_refused_by_name():
     for ranges, words in (
         ({"wear_coefficient": ((1e-14, 1e-14), (2e-14, 2e-14))}, "wear_coefficient.*single number"),
@@ -152,11 +133,3 @@ def test_ranges_that_make_no_sense_are_refused_by_name():
     ):
         with pytest.raises(ValueError, match=words):
             make(randomize=ranges)
-
-
-@pytest.mark.parametrize("name", CURRENT)
-def test_every_scenario_takes_a_single_panel(name):
-    env = make(name, parameters={"panel_count": 1})
-    env.reset(seed=0)
-    observation, *_ = env.step(np.ones(1))
-    assert np.isfinite(observation).all()

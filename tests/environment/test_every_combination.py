@@ -1,7 +1,7 @@
 """Whatever is combined, in whatever order: a lane is the single environment, and a refused call changes nothing.
 
 Every lane of a vector has a single environment beside it, which a wrapper records. The suite tries a few sequences of
-calls, the same ones every time; thousands with `--hypothesis-profile night`.
+calls, the same ones every time; thousands, for an hour, with `--hypothesis-profile night`.
 """
 
 from __future__ import annotations
@@ -247,7 +247,7 @@ class Combined(RuleBasedStateMachine):
             assert self.vector.lane(lane).episode_parameters == env.episode_parameters
 
 
-Combined.TestCase.settings = settings(stateful_step_count=25, max_examples=60)
+Combined.TestCase.settings = settings(stateful_step_count=25, max_examples=4 * settings.default.max_examples)
 
 
 class TestEveryCombination(Combined.TestCase):

@@ -35,7 +35,8 @@ _CAUSES = {
     ),
     m.SINGULAR_CONSTRAINTS: (
         "constraints",
-        "the constraints are redundant or contradict each other in this configuration; remove one",
+        "the constraints are redundant or contradict each other in this configuration; remove one, or "
+        "pass a dead point with GeneralizedAlpha",
     ),
     m.NEWTON_FAILED: (
         "newton",

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,12 +9,14 @@ from solar_env.mechanics.joints.laws import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.mechanism.textbook import (
     FOUR_BAR_PINS,
+    Link,
     bouncing_block,
     flores_bearing,
     four_bar,
     loaded_journal,
     pendulum,
 )
+from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation, simulate
 
 
@@ -47,6 +50,20 @@ def test_the_default_four_bar_is_a_crank_rocker_whose_crank_turns_at_its_rate():
     rocker = simulate(four_bar(), 1.0, integrator=RungeKutta(rtol=1e-8)).angles[:, 3]
     assert rocker[-1] == pytest.approx(rocker[0], abs=1e-9)
     assert np.ptp(rocker) < math.pi
+
+
+@pytest.mark.parametrize("driven", [True, False])
+def test_a_parallelogram_stays_one_through_its_dead_points_or_they_are_named(driven):
+    """At a dead point all links lie in a line and the constraints lose rank; inertia carries the rocker through."""
+    equal = Link.slender(0.1, 0.1)
+    linkage = four_bar(equal, Link.slender(0.4, 0.4), equal, ground_length=0.4, crank_angle=0.5, gravity=0.0)
+    linkage = linkage if driven else replace(linkage, drives=())
+    for integrator in (RungeKutta(), GeneralizedAlpha(step=2.5e-3)):
+        motion = simulate(linkage, 2.0, integrator=integrator, output_step=0.1)
+        crank, rocker = (motion.coordinates[:, k + 2 : k + 4] - motion.coordinates[:, k : k + 2] for k in (0, 8))
+        assert crank == pytest.approx(rocker, abs=1e-6), integrator
+    with pytest.raises(SimulationError, match="redundant .* pass a dead point with GeneralizedAlpha"):
+        simulate(linkage, 1.0, integrator=RungeKutta(rtol=1e-9))
 
 
 @pytest.mark.parametrize("housing_mass", [None, 2.0])

@@ -62,8 +62,9 @@ def test_a_parallelogram_stays_one_through_its_dead_points_or_they_are_named(dri
         motion = simulate(linkage, 2.0, integrator=integrator, output_step=0.1)
         crank, rocker = (motion.coordinates[:, k + 2 : k + 4] - motion.coordinates[:, k : k + 2] for k in (0, 8))
         assert crank == pytest.approx(rocker, abs=1e-6), integrator
-    with pytest.raises(SimulationError, match="redundant .* pass a dead point with GeneralizedAlpha"):
-        simulate(linkage, 1.0, integrator=RungeKutta(rtol=1e-9))
+    if driven:
+        with pytest.raises(SimulationError, match=r"redundant .* pass a dead point with GeneralizedAlpha"):
+            simulate(linkage, 2.0, integrator=RungeKutta(rtol=1e-9), output_step=0.1)
 
 
 @pytest.mark.parametrize("housing_mass", [None, 2.0])

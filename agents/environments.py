@@ -87,17 +87,6 @@ def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | No
     return _made(partial(gymnasium.make, env_id), env_id, env_kwargs)
 
 
-def make_vector_env(
-    num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None
-) -> gymnasium.vector.VectorEnv:
-    """Make the native vector environment by `gymnasium.make_vec`; a refusal says what to do.
-
-    Raises:
-        ValueError: As `make_env`.
-    """
-    return _made(partial(gymnasium.make_vec, env_id, num_envs), env_id, env_kwargs)
-
-
 def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, object] | None) -> Any:
     if env_id not in gymnasium.registry:  # Gymnasium itself imports the module that an id names
         raise ValueError(f"no environment {env_id!r} is registered; available: {', '.join(_registered())}")

@@ -1,6 +1,5 @@
 """Training with Stable-Baselines3, from a configuration to a run folder.
 
-`training` trains; `runs` says what a run folder holds, and reads it; `vec_env` is the vector environment behind
-Stable-Baselines3's interface, `weight_search` CMA-ES over the weights of a policy. To add an algorithm: its class in
-`training.ALGORITHMS`.
+`training` trains; `runs` says what a run folder holds, and reads it; `weight_search` is CMA-ES over the weights of a
+policy. To add an algorithm: its class in `training.ALGORITHMS`.
 """

@@ -17,8 +17,8 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from agents.environments import episode_seeds
 from agents.learning import runs
-from agents.learning.vec_env import NativeVecEnv
 from agents.learning.weight_search import CMAES
+from solar_env.environment.stable_baselines3 import NativeVecEnv
 from solar_env.support.files import make_folder, write_bytes
 
 ALGORITHMS: dict[str, Any] = {"ppo": PPO, "sac": SAC, "tqc": TQC, "ars": ARS, "cma-es": CMAES}

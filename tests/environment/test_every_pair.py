@@ -22,7 +22,7 @@ KEYWORDS = {
 ROWS = list(pairwise(KEYWORDS))
 
 
-@pytest.mark.parametrize("given", ROWS, ids=str)
+@pytest.mark.parametrize("given", ROWS)
 def test_two_keywords_are_kept_together_or_refused_by_their_names(given):
     try:
         env = gymnasium.make_vec(DEPLOY, 2, **given)

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from contextlib import closing
 from typing import Any
 
+import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, with_sampling
 from agents.learning import runs
 from solar_env.commands.study import Args
 from solar_env.environment.episodes import Info
@@ -25,7 +26,7 @@ LONGEST_HALF_PERIOD = 4  # control periods
 OPTIONS = ("quick", "out")
 SEED = 0  # of the search and of its episodes
 EPISODES, QUICK_EPISODES = 1920, 28
-KEYWORDS: dict[str, object] = {}  # of the environment
+KEYWORDS: dict[str, Any] = {}  # of the environment
 FILE = "attack.json"
 
 
@@ -71,7 +72,7 @@ def run(args: Args) -> int:
     folder, _ = args.folders("attack-on-reward")
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
     keywords = {**with_sampling(KEYWORDS), "autoreset_mode": AutoresetMode.DISABLED}
-    with closing(make_vector_env(lanes, DEFAULT_ENV_ID, keywords)) as env:
+    with closing(gymnasium.make_vec(DEFAULT_ENV_ID, lanes, **keywords)) as env:
         used = 0
 
         def costs(points: Sequence[np.ndarray]) -> list[float]:

@@ -10,9 +10,9 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnvWrapper
 
-from agents.learning.vec_env import NativeVecEnv
 from agents.learning.weight_search import CMAES
 from solar_env.environment.registration import DEPLOY
+from solar_env.environment.stable_baselines3 import NativeVecEnv
 
 TARGET = np.array([0.6, -0.3, 0.2])
 QUICK = {"model": "rigid-ideal"}

@@ -10,8 +10,8 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.environments import DEFAULT_ENV_ID, environment_settings, make_env
-from agents.learning.vec_env import NativeVecEnv
 from solar_env.environment.registration import DEPLOY_V1
+from solar_env.environment.stable_baselines3 import NativeVecEnv
 
 LANES = 3
 KEYWORDS = {
@@ -92,7 +92,7 @@ def test_fixed_seeds_begin_the_same_episodes_at_every_reset():
 
 
 @pytest.mark.parametrize("env_id", ["solar_env/Fold-v0", "a_strangers_module:solar_env/Deploy-v1", ""])
-@pytest.mark.parametrize("made", [lambda name: NativeVecEnv(2, name), make_env, environment_settings])
+@pytest.mark.parametrize("made", [make_env, environment_settings])
 def test_an_id_of_no_environment_is_refused_with_those_that_there_are(env_id, made):
     with pytest.raises(ValueError, match=rf"no environment '{env_id}' .*available: .*{DEFAULT_ENV_ID}"):
         made(env_id)

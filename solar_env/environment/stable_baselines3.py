@@ -10,8 +10,8 @@ from gymnasium.wrappers.vector import DictInfoToList
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
-from agents.environments import DEFAULT_ENV_ID, make_vector_env
 from solar_env.environment.episodes import Info
+from solar_env.environment.registration import DEPLOY
 
 
 class NativeVecEnv(VecEnv):
@@ -32,13 +32,13 @@ class NativeVecEnv(VecEnv):
     def __init__(
         self,
         num_envs: int,
-        env_id: str = DEFAULT_ENV_ID,
+        env_id: str = DEPLOY,
         env_kwargs: Mapping[str, object] | None = None,
         first_seed: int | None = None,
     ) -> None:
         self._first_seed = first_seed
-        keywords = {**(env_kwargs or {}), "autoreset_mode": AutoresetMode.SAME_STEP}
-        self.env: Any = make_vector_env(num_envs, env_id, keywords)
+        keywords: dict[str, Any] = {**(env_kwargs or {}), "autoreset_mode": AutoresetMode.SAME_STEP}
+        self.env: Any = gymnasium.make_vec(env_id, num_envs, **keywords)
         self._with_lists = DictInfoToList(self.env)
         self._actions: np.ndarray | None = None
         super().__init__(num_envs, self.env.single_observation_space, self.env.single_action_space)

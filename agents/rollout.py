@@ -2,7 +2,7 @@
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import gymnasium
 import numpy as np
@@ -15,13 +15,8 @@ UNITS = ("s", "N", "Ns", "J", "m")
 """Ends of the names of figures: `contact_starts` has no unit."""
 
 
-def run_episode(
-    env: gymnasium.Env, controller: Controller, seed: int, record: Callable[[Info], None] | None = None
-) -> Figures:
-    """Run one deterministic episode and return its figures (see `episode_figures`) with its seed.
-
-    `record`, if given, is called with the information of every step.
-    """
+def run_episode(env: gymnasium.Env, controller: Controller, seed: int) -> Figures:
+    """Run one deterministic episode and return its figures (see `episode_figures`) with its seed."""
     observation, _ = env.reset(seed=seed)
     state = None
     episode_start = np.ones(1, dtype=bool)
@@ -32,8 +27,6 @@ def run_episode(
         episode_start[:] = False
         for name, value in info["reward_terms"].items():
             terms[name] += value
-        if record is not None:
-            record(info)
         if terminated or truncated:
             return {"seed": seed, **episode_figures(info["deployment"], terms)}
 

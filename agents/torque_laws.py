@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 
@@ -18,15 +18,12 @@ Entries = Mapping[str, np.ndarray]
 class Controller(Protocol):
     """The interface that torque laws and Stable-Baselines3 models have in common."""
 
-    def predict(
-        self,
-        observation: np.ndarray,
-        state: tuple[np.ndarray, ...] | None = None,
-        episode_start: np.ndarray | None = None,
-        deterministic: bool = False,
-    ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
-        """Map observations (n_obs,) or (n, n_obs) to actions (1,) or (n, 1) in [-1, 1]."""
-        ...
+    @property
+    def predict(self) -> Callable[..., tuple[np.ndarray, Any]]:
+        """Map observations (n_obs,) or (n, n_obs), a state, the starts of episodes and whether to act without noise.
+
+        Returns actions (1,) or (n, 1) in [-1, 1], and the next state.
+        """
 
 
 @dataclass(frozen=True)

@@ -82,15 +82,15 @@ def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequen
             for algo, of_agent in panel.curves.items():
                 at, returns = _over_common([(run[row], run[-1]) for run in of_agent])
                 color, middle = look_of(algo, CONTROLLER_LOOKS)["color"], np.median(returns, axis=0)
-                seeds = f", {len(returns)} seeds" if len(returns) > 1 else ""
-                axes[row, column].plot(at, middle, color=color, label=f"{algo}{seeds}")
+                axes[row, column].plot(at, middle, color=color, label=algo)
                 axes[row, column].fill_between(at, *np.quantile(returns, (0, 1), axis=0), color=color, alpha=0.15, lw=0)
                 last.setdefault(algo, middle[-1])
             for name, mean in panel.laws.items():
                 axes[row, column].axhline(mean, color=look_of(name, CONTROLLER_LOOKS)["color"], ls=":", label=name)
             axes[row, column].set(ylim=(-3.0, 1.2), xscale="log", xlabel=label, ylabel="return in validation")
             axes[row, column].xaxis.set_minor_formatter(NullFormatter())  # they would overlap
-        axes[0, column].set_title(scene)
+        few, many = (bound(map(len, panel.curves.values())) for bound in (min, max))
+        axes[0, column].set_title(f"{scene}: {few} to {many} seeds" if few < many else f"{scene}: seeds {many}")
         winner = max(last, key=last.__getitem__)
         best.append(f"{winner} with {last[winner]:.2g} ({scene})")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5)

@@ -44,6 +44,8 @@ class CMAES(ARS):
         FileNotFoundError, ValueError: There is no model `start`, or it is none for this environment.
     """
 
+    env: Any  # which is None in the base class before there is one
+
     def __init__(
         self,
         policy: str,
@@ -92,7 +94,7 @@ class CMAES(ARS):
         callback.on_rollout_start()
         if self.search is None:
             self._begin()
-        asked, env = self.search.ask(), self._vec_env
+        asked, env = self.search.ask(), self.env
         episodes = max(env.num_envs // self.population, 1)  # of each candidate, the same for all
         first = (self.seed or 0) + env.num_envs + self._n_updates * episodes
         tries = [(searched, first + episode) for searched in asked for episode in range(episodes)]
@@ -111,7 +113,7 @@ class CMAES(ARS):
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
         """Let weights have a round; they become the policy's if none did better in theirs."""
         first = self.seed or 0
-        tries = [(searched, first + episode) for episode in range(self._vec_env.num_envs)]
+        tries = [(searched, first + episode) for episode in range(self.env.num_envs)]
         mean_return = float(self._returns(tries, callback).mean())
         if mean_return > self.best_return:
             self.best_return = mean_return
@@ -122,18 +124,14 @@ class CMAES(ARS):
         """All weights (n_params,) of a candidate, of which (searched,) are its own."""
         return np.concatenate([self.weights.numpy()[: -self.searched], searched]).astype(np.float32)
 
-    @property
-    def _vec_env(self) -> Any:
-        return self.env
-
     def _returns(self, tries: Sequence[tuple[np.ndarray, int]], callback: BaseCallback) -> np.ndarray:
         """Returns (tries,) of an episode of each candidate with a seed, as many at once as there are environments."""
-        count = self._vec_env.num_envs
+        count = self.env.num_envs
         parts = [tries[first : first + count] for first in range(0, len(tries), count)]
         return np.concatenate([self._round(part, callback) for part in parts])
 
     def _round(self, tries: Sequence[tuple[np.ndarray, int]], callback: BaseCallback) -> np.ndarray:
-        env = self._vec_env
+        env = self.env
         returns, running = np.zeros(env.num_envs), np.arange(env.num_envs) < len(tries)
         # Stable-Baselines3 has no method that seeds environments one by one.
         env.unwrapped._seeds = [seed for _, seed in tries] + [0] * (env.num_envs - len(tries))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
-from solar_env.environment.task.drive import numbers_by_lane, task_numbers
+from solar_env.environment.task.drive import task_numbers
 from solar_env.environment.task.periods import hold_lanes, make_periods, observe_lanes
 from solar_env.environment.task.reward import Told, v1_return
 from solar_env.environment.task.sensors import Memory
@@ -56,7 +56,8 @@ class Episodes:
         self.lanes, self.settings = tuple(lanes), lanes[0]
         self.parameters, settings = [of_lane.array for of_lane in lanes], self.settings
         self._sensors = settings.sensors(len(lanes))
-        self._numbers = numbers_by_lane([task_numbers(each.task, each.devices, each.array) for each in lanes])
+        numbers = [task_numbers(each.task, each.devices, each.array) for each in lanes]
+        self._numbers = numbers[0]._replace(motors=np.stack([of_lane.motors for of_lane in numbers]))
         self._periods = make_periods(len(lanes), self._numbers, settings.terms.rows.size, self._sensors.exact)
         self.observations, self.terminated = self._sensors.observed, self._periods.terminated
         self.rewards, own = self._periods.rewards, settings.terms.function is not None

@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -11,14 +11,6 @@ from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table
 
 _CONTACTS = 1000  # that there is room for at first
-
-
-class _Moment(NamedTuple):
-    """How much had been recorded when the state was one of which this is the digest."""
-
-    digest: bytes
-    samples: int
-    contacts: int
 
 
 class RecordTrajectory(gymnasium.Wrapper):
@@ -36,7 +28,7 @@ class RecordTrajectory(gymnasium.Wrapper):
             raise ValueError(f"output_step = {output_step!r} s must be positive and finite")
         super().__init__(env)
         self._step = output_step
-        self._moments: list[_Moment] = []
+        self._moments: list[tuple[bytes, list[int]]] = []  # digests of states, and how much was recorded by then
 
     def reset(self, *, seed: int | None = None, options: dict[str, object] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its record."""
@@ -46,7 +38,7 @@ class RecordTrajectory(gymnasium.Wrapper):
         longest = task.deadline * (1.0 + task.overtime) + task.settling_window + task.control_period
         times = np.arange(math.ceil(longest / self._step)) * self._step
         env._episodes.batch.record(make_recorder(env.simulation.model, env.simulation.state, times, _CONTACTS))
-        self._moments = [_Moment(self._digest(), 0, 0)]
+        self._moments = [(self._digest(), [0, 0])]
         return result
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
@@ -57,7 +49,7 @@ class RecordTrajectory(gymnasium.Wrapper):
             return super().step(action)
         finally:  # a simulation that cannot go on has come to a state, too
             if self._moments:
-                self._moments.append(_Moment(self._digest(), *self._recorder.filled.tolist()))
+                self._moments.append((self._digest(), self._recorder.filled.tolist()))
 
     @property
     def _recorder(self) -> Any:
@@ -71,11 +63,11 @@ class RecordTrajectory(gymnasium.Wrapper):
 
     def _forget(self) -> None:
         """Forget what was recorded after the present state."""
-        digests = [moment.digest for moment in self._moments]
+        digests = [digest for digest, _ in self._moments]
         if (present := self._digest()) not in digests:
             raise RuntimeError("the present state was restored and nothing recorded has led to it: call reset()")
         del self._moments[digests.index(present) + 1 :]
-        self._recorder.filled[:] = self._moments[-1][1:]
+        self._recorder.filled[:] = self._moments[-1][1]
 
     @property
     def trajectory(self) -> Trajectory:

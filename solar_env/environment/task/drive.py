@@ -4,7 +4,6 @@ Below, `motor` is a row of `motor_type`, and `memory` (MEMORY,) is what a motor'
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -102,11 +101,6 @@ def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> Task
         bool(task.drive_settles),
         np.array(motors, dtype=motor_type),
     )
-
-
-def numbers_by_lane(lanes: Sequence[TaskNumbers]) -> TaskNumbers:
-    """The numbers of all lanes as one."""
-    return lanes[0]._replace(motors=np.stack([numbers.motors for numbers in lanes]))
 
 
 @kernel

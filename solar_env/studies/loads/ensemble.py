@@ -63,7 +63,7 @@ def run_member(cell: Cell) -> dict[str, object]:
     try:
         done = deploy(level, parameters, cell["member"], cell["window"], cell["deadline"])
     except SimulationError as error:
-        values = "".join(f", {name} = {_shown(getattr(parameters, name))}" for name in cell["randomize"])
+        values = "".join(f", {name} = {getattr(parameters, name)}" for name in cell["randomize"])
         return {"failed": {f"run {cell['member']} of {level.name}{values}": str(error)}}
     return {
         "latched": bool(np.isfinite(done.trajectory.latch_times).all()),
@@ -72,10 +72,6 @@ def run_member(cell: Cell) -> dict[str, object]:
         "hub_spectrum": done.hub_spectrum.tolist(),
         "warnings": list(done.warnings),
     }
-
-
-def _shown(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str([float(f"{entry:.6g}") for entry in value])
 
 
 @dataclass(frozen=True)

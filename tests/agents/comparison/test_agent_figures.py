@@ -69,12 +69,12 @@ def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_as_far_as_a
     }
     learning_curves_figure({"rigid": Panel(curves, {"servo": -0.1})}, tmp_path / "figure.png")
     axes, over_seconds = saved_figures[0].axes
-    assert axes.get_title() == "rigid"
+    assert axes.get_title() == "rigid: 2 to 3 seeds"
     assert saved_figures[0].get_suptitle() == "Best at the end: ppo with -0.5 (rigid)"
-    assert drawn(over_seconds, "ppo, 3 seeds") == ([2.0, 20.0], [-2.0, -0.5])
-    assert drawn(axes, "ppo, 3 seeds") == ([1.0, 10.0], [-2.0, -0.5])
+    assert drawn(over_seconds, "ppo") == ([2.0, 20.0], [-2.0, -0.5])
+    assert drawn(axes, "ppo") == ([1.0, 10.0], [-2.0, -0.5])
     first, second = -4.0 + 2.0 * 4.0 / 9.0, -1.0 + 0.9 * 5.0 / 7.0
-    assert drawn(axes, "cma-es, 2 seeds") == (
+    assert drawn(axes, "cma-es") == (
         [1.0, 5.0, 10.0],
         pytest.approx([-4.0, (first - 1.0) / 2.0, (-2.0 + second) / 2.0]),
     )

@@ -90,7 +90,8 @@ def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequen
             axes[row, column].set(ylim=(-3.0, 1.2), xscale="log", xlabel=label, ylabel="return in validation")
             axes[row, column].xaxis.set_minor_formatter(NullFormatter())  # they would overlap
         few, many = (bound(map(len, panel.curves.values())) for bound in (min, max))
-        axes[0, column].set_title(f"{scene}: {few} to {many} seeds" if few < many else f"{scene}: seeds {many}")
+        seeds = f": {few} to {many} seeds" if few < many else f": {many} seeds" if many > 1 else ""
+        axes[0, column].set_title(scene + seeds)
         winner = max(last, key=last.__getitem__)
         best.append(f"{winner} with {last[winner]:.2g} ({scene})")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5)

@@ -39,7 +39,7 @@ def run(*arguments, compare=True):
         config, folder = runs.read_config(args.resume), Path(args.resume)
     else:
         config, folder = train.configuration(args), Path(args.out)
-    training.train(config, folder, args.timesteps, progress=False)
+    training.train(config, folder, args.timesteps or config.timesteps, progress=False)
     return folder
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import gymnasium
-import numpy as np
 from PIL import Image
 
 from agents.commands.arguments import ModelOptions
@@ -85,17 +84,22 @@ def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
 
 def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
     """The page of episodes by the names of their controllers, with the figures of `run_episode`."""
-    softest = min(episodes, key=lambda name: np.nan_to_num(figures[name]["peak_postlock_force_N"], nan=np.inf))
+    landed = [name for name in episodes if figures[name]["latched"]]
+    softest = min(landed, key=lambda name: figures[name]["peak_postlock_force_N"], default=None)
+    lands = "none lands"
+    if softest:
+        lands = (
+            f"{softest} lands softest, with at most {figures[softest]['peak_postlock_force_N']:.3g} N after latching"
+        )
     best = max(episodes, key=lambda name: figures[name]["return"])
     answer = [
-        f"Of {len(episodes)} controllers {softest} lands softest, with at most "
-        f"{figures[softest]['peak_postlock_force_N']:.3g} N after latching; {best} has the highest return, "
-        f"{figures[best]['return']:.3g}.",
+        f"Of {len(episodes)} controllers {lands}; {best} has the highest return, {figures[best]['return']:.3g}.",
         "One episode, the same for all: impacts are chaotic, so compare many with solar-env evaluate.",
     ]
     shown = {name: row for name, row in TABLE.items() if all(name in of for of in figures.values())}
     rows = [
-        [words, *(f"{factor * of[name]:.4g}" for of in figures.values())] for name, (words, factor) in shown.items()
+        [words, *(f"{factor * of[name]:.4g}".replace("nan", "-") for of in figures.values())]
+        for name, (words, factor) in shown.items()
     ]
     terms = [name for name in next(iter(figures.values())) if name.startswith("reward_")]
     rows += [[name.replace("_", " "), *(f"{of[name]:.3g}" for of in figures.values())] for name in terms]

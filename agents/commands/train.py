@@ -17,7 +17,8 @@ from solar_env.support.progress import print_markdown
 from solar_env.support.versions import versions
 
 LAWS = ("passive", "pd", "servo")
-OF_A_RUN = ("algo", "seed", "n_envs", "hyperparams", "env_id", "model", "env_kwargs", "out")
+OF_A_RUN = {"--algo", "--seed", "--n-envs", "--hyperparams", "--env-id", "--model", "--env-kwargs", "--out"}
+TIMESTEPS = 100_000
 
 
 @dataclass
@@ -29,8 +30,8 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
 
     algo: str = "ppo"
     """algorithm: ppo, sac, tqc, ars or cma-es"""
-    timesteps: int = 100_000
-    """environment steps in all"""
+    timesteps: int | None = None
+    """environment steps in all, by default 100,000 or those of the run that --resume goes on with"""
     seed: int = 0
     """seed of networks, exploration and training episodes, and chooses those of the comparison"""
     n_envs: int = 1
@@ -52,16 +53,17 @@ def run_command(args: Args) -> int:
     episode_seeds("evaluation", 0, args.eval_episodes)  # refuses a number without any
     args.workers  # noqa: B018 (checks them)
     if args.resume:
-        for name in OF_A_RUN:
-            if getattr(args, name) != getattr(Args(), name):
-                raise ValueError(f"--{name.replace('_', '-')} beside --resume: a run keeps its own; leave it out")
+        given = {word.partition("=")[0].replace("_", "-") for word in args.command.split()}
+        for name in sorted(given & OF_A_RUN):
+            raise ValueError(f"{name} beside --resume: a run keeps its own; leave it out")
         config, folder = runs.read_config(args.resume), Path(args.resume)
     else:
         config = configuration(args)
         folder = runs.new_run_folder(args.out, config)
-    print(f"{config.algo} on {config.env_id}, {args.timesteps} steps -> {folder}")
+    timesteps = config.timesteps if args.timesteps is None else args.timesteps
+    print(f"{config.algo} on {config.env_id}, {timesteps} steps -> {folder}")
     with keeping(lambda: f"solar-env train --resume {folder} goes on from the last validation"):
-        train(config, folder, args.timesteps, progress=not args.quiet)
+        train(config, folder, timesteps, progress=not args.quiet)
         episodes = args.eval_episodes, config.seed, config.env_id, config.env_kwargs
         rows = evaluate([*LAWS, f"{config.algo}={folder}"], *episodes, not args.quiet, args.workers)
     summary, tables = write_comparison(folder, rows, {"command": args.command, "eval_episodes": args.eval_episodes})
@@ -79,5 +81,6 @@ def configuration(args: Args) -> runs.Configuration:
     if args.algo not in ALGORITHMS:
         raise ValueError(f"no algorithm {args.algo!r}; available: {', '.join(ALGORITHMS)}")
     usual = {"n_steps": max(2048 // max(args.n_envs, 1), 1)} if args.algo == "ppo" else {}
-    asked = args.algo, args.env_id, args.keywords(), args.seed, args.n_envs, args.timesteps, usual | args.hyperparams
+    timesteps = TIMESTEPS if args.timesteps is None else args.timesteps
+    asked = args.algo, args.env_id, args.keywords(), args.seed, args.n_envs, timesteps, usual | args.hyperparams
     return runs.Configuration(*asked, args.command, versions(*runs.LIBRARIES))

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
+from solar_env.environment.hardware import Hardware
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
 from solar_env.environment.task.drive import task_numbers
 from solar_env.environment.task.periods import hold_lanes, make_periods, observe_lanes
 from solar_env.environment.task.reward import Told, v1_return
 from solar_env.environment.task.sensors import Memory
+from solar_env.environment.task.task import Task
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError
@@ -30,6 +32,8 @@ class SavedEpisode(NamedTuple):
     """
 
     parameters: ArrayParameters
+    task: Task
+    hardware: Hardware
     state: Any
     names: tuple[str, ...]
     terms: NDArray[np.float64]
@@ -92,6 +96,11 @@ class Episodes:
         """(lanes,) time of each episode [s]; a copy."""
         return np.array(self.batch.states.clock["time"][:, 0])
 
+    def check_lanes(self, lanes: NDArray[np.int64]) -> None:
+        """Refuse to begin episodes in some lanes alone before there are any, by a ResetNeeded."""
+        if self._batch is None and lanes.size < len(self.parameters):
+            raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
+
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
@@ -99,8 +108,6 @@ class Episodes:
 
         Changes of parameters, after the draw, are checked by `EnvironmentSettings.check_changes` before.
         """
-        if self._batch is None and lanes.size < len(self.parameters):
-            raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
         announce_compilation(self.settings.integrator.name)
         drawn = [
             self.lanes[lane].draw(generator, change)
@@ -175,19 +182,28 @@ class Episodes:
         account, terms, drives = (
             values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.drives)
         )
-        return SavedEpisode(self.parameters[lane], state, self.settings.terms.names, terms, account, drives, sensors)
+        of_lane = self.lanes[lane].task, self.lanes[lane].devices, state, self.settings.terms.names
+        return SavedEpisode(self.parameters[lane], *of_lane, terms, account, drives, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
 
         Raises:
-            ValueError: if structure, entries observed or terms charged differ; the present episode goes on then.
+            ValueError: if task, hardware, structure, entries observed or terms charged differ; the present episode goes
+                on then.
         """
         if saved.names != self.settings.terms.names:
             raise ValueError(
                 f"the saved episode was charged for {', '.join(saved.names)}, this one for "
                 f"{', '.join(self.settings.terms.names)}: go on with it where the same terms are charged"
             )
+        for saved_part, part in ((saved.task, self.lanes[lane].task), (saved.hardware, self.lanes[lane].devices)):
+            for name, value in vars(part).items():
+                if (other := getattr(saved_part, name)) != value:
+                    raise ValueError(
+                        f"the saved episode had {name} = {other!r}, this environment has {value!r}: go on with it in "
+                        "an equal one"
+                    )
         self._sensors.check(saved.sensors)
         self.batch.replace(lane, self._simulation(saved))
         self._recall(lane, saved)

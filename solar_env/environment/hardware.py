@@ -51,6 +51,8 @@ class Hardware:
 
     def __post_init__(self) -> None:
         check_rows(self)
+        if not isinstance(self.load_compensation, bool):
+            raise ValueError(f"load_compensation = {self.load_compensation!r} must be True or False")
         if not is_whole_number(self.sensor_delay, 0) or self.sensor_delay > 100:
             raise ValueError(f"sensor_delay = {self.sensor_delay!r} must be a whole number of periods from 0 to 100")
 

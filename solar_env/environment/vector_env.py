@@ -127,6 +127,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         begun = lanes.tolist()
         chosen = [by_lane[lane] for lane in begun]
         with self.episodes.alone():
+            self.episodes.check_lanes(lanes)
             for lane, change in zip(begun, chosen, strict=True):
                 self.episodes.lanes[lane].check_changes(change)
             seeded = {lane: seeding.np_random(index(seeds[lane])) for lane in begun if seeds[lane] is not None}

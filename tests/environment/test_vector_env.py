@@ -108,6 +108,14 @@ def test_a_reset_that_is_refused_begins_nothing_and_draws_nothing(parameters):
     assert_same(env.reset(), other.reset())
 
 
+def test_a_first_reset_of_some_lanes_is_refused_before_it_seeds_any():
+    env = make_vector(2, autoreset_mode=AutoresetMode.DISABLED).unwrapped
+    seeds = env.np_random_seed
+    with pytest.raises(gymnasium.error.ResetNeeded, match="must be one of all lanes"):
+        env.reset(seed=5, options={"reset_mask": np.array([True, False])})
+    assert env.np_random_seed == seeds
+
+
 def test_parameters_by_lane_go_to_their_lanes_under_a_mask_too():
     env = make_vector(3, autoreset_mode=AutoresetMode.DISABLED)
     env.reset(seed=0)

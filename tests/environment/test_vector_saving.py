@@ -92,6 +92,18 @@ def test_a_saved_episode_goes_on_to_the_same_bits_in_any_lane_as_often_as_one_li
         assert_same(goes_on(lane), expected)
 
 
+def test_an_episode_of_another_task_or_drive_is_not_gone_on_with():
+    one = make_vector(1, model="rigid-ideal").unwrapped
+    one.reset(seed=0)
+    saved = one.lane(0).save_episode()
+    for keywords in ({"driven_joint": 1}, {"control_period": 0.5}, {"hardware": {"rate_noise": 1e-3}}):
+        other = make_vector(1, model="rigid-ideal", **keywords).unwrapped
+        other.reset(seed=0)
+        (name,) = keywords.get("hardware", keywords)
+        with pytest.raises(ValueError, match=rf"the saved episode had {name} = .* go on with it in an equal one"):
+            other.lane(0).restore_episode(saved)
+
+
 def test_what_cannot_be_saved_or_restored_is_refused():
     env = make_vector(autoreset_mode="Disabled", deadline=0.1).unwrapped
     with pytest.raises(gymnasium.error.ResetNeeded):
@@ -101,17 +113,17 @@ def test_what_cannot_be_saved_or_restored_is_refused():
     env.step(random_actions(1)[0])
     with pytest.raises(gymnasium.error.ResetNeeded, match="the episode of lane 0 has ended"):
         env.lane(0).save_episode()
-    other = make_vector(model="flexible-clearance:2 elements").unwrapped
+    other = make_vector(model="flexible-clearance:2 elements", deadline=0.1).unwrapped
     other.reset(seed=0)
     with pytest.raises(ValueError, match=r"snapshot\.q has shape"):
         other.lane(0).restore_episode(saved)
-    other = make_vector(2, observation="history").unwrapped
+    other = make_vector(2, observation="history", deadline=0.1).unwrapped
     other.reset(seed=0)
     other.step(random_actions(1, 2)[0])
     with pytest.raises(ValueError, match=r"observed entries of shape \(9,\), these sensors \(24,\)"):
         other.lane(0).restore_episode(saved)
     assert other.episodes.times.tolist() == pytest.approx([0.1, 0.1])
-    other = make_vector(reward={"wear": 2.0, "peak_impact": 0.0}).unwrapped
+    other = make_vector(reward={"wear": 2.0, "peak_impact": 0.0}, deadline=0.1).unwrapped
     other.reset(seed=0)
     with pytest.raises(ValueError, match=r"peak_impact, wear.*same terms are charged"):
         other.lane(0).restore_episode(saved)

@@ -14,7 +14,7 @@ _CONTACTS = 1000  # that there is room for at first
 
 
 class RecordTrajectory(gymnasium.Wrapper):
-    """Keep the present episode of an environment, with samples every `output_step` [s], as a `Trajectory`.
+    """Keep the present episode of an environment, with samples every `output_step` [s] and now, as a `Trajectory`.
 
     The episode stays the same to the bit. What was recorded after a state between two steps that is restored is
     forgotten: the trajectory is what led to the present state.
@@ -78,7 +78,13 @@ class RecordTrajectory(gymnasium.Wrapper):
         env: Any = self.unwrapped
         simulation, recorder = env.simulation, self._recorder
         samples, contacts = recorder.filled.tolist()
-        kept = recorder._replace(times=recorder.times[:samples], samples=recorder.samples[:samples])
+        present = make_recorder(simulation.model, simulation.state, np.array([simulation.time]), 0)
+        simulation.advance(simulation.time, present)
+        samples -= samples > 0 and recorder.times[samples - 1] == simulation.time
+        kept = recorder._replace(
+            times=np.append(recorder.times[:samples], present.times),
+            samples=np.concatenate([recorder.samples[:samples], present.samples]),
+        )
         details = {
             "model": env.model,
             "parameters": env.episode_parameters.to_dict(),

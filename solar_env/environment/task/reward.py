@@ -16,7 +16,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
-from solar_env.support.values import changed, unknown_name
+from solar_env.support.values import changed, is_number, plain, unknown_name
 
 # Codes of `reading`.
 PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_SLIDING_WORK = range(5)
@@ -185,10 +185,12 @@ class Reward:
     def own(self, before: Told, after: Told) -> float:
         """The reward of a step by the function; ValueError where that is no finite number."""
         assert self.function is not None
-        value = float(self.function(before, after))
-        if not math.isfinite(value):
-            raise ValueError(f"the function of the reward returned {value} at {after['time_s']:g} s: mend it")
-        return value
+        value: Any = plain(self.function(before, after))
+        if not is_number(value) or not math.isfinite(value):
+            raise ValueError(
+                f"the function of the reward returned {value!r} at {after['time_s']:g} s: return a finite number"
+            )
+        return float(value)
 
 
 _OF_V1 = Reward(version=VERSIONS["v1"]).prices

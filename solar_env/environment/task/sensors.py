@@ -19,7 +19,7 @@ class Memory(NamedTuple):
     observed: NDArray[np.float32]
     pipeline: NDArray[np.float32]
     past: NDArray[np.float32]
-    generator: np.random.Generator | None
+    generator: np.random.Generator
 
 
 class Sensors:
@@ -56,7 +56,7 @@ class Sensors:
         self._pipeline = np.zeros((lanes, hardware.sensor_delay + 1, self._late.size), dtype=np.float32)
         self._past = np.zeros((lanes, self._age.max() + 1, len(measured)), dtype=np.float32)
         self._arrays = (self.exact, self.observed, self._pipeline, self._past)
-        self._generators: list[Any] = [None] * lanes  # of NumPy, but for ideal sensors
+        self._generators: list[Any] = [None] * lanes  # of NumPy, once an episode has begun
         self._rate_noise = hardware.rate_noise
 
     def draw_rate_errors(self, lanes: NDArray[np.int64], errors: NDArray[np.float64]) -> None:
@@ -67,10 +67,10 @@ class Sensors:
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
         """Observe the first state of new episodes in some lanes (k,), as if it had lasted; generators (k,) of noise."""
-        if self._transparent:
-            return
         for lane, generator in zip(lanes, generators, strict=True):
             self._generators[lane] = generator
+        if self._transparent:
+            return
         measured = self._measured(lanes)[:, np.newaxis]
         self._pipeline[lanes] = measured[:, :, self._late]
         self._past[lanes] = measured
@@ -115,7 +115,10 @@ class Sensors:
         """Go on in a lane from what `memory` returned, as often as one likes."""
         for mine, theirs in zip(self._arrays, memory[:4], strict=True):
             mine[lane] = theirs
-        self._generators[lane] = deepcopy(memory.generator)
+        if self._generators[lane] is None:
+            self._generators[lane] = deepcopy(memory.generator)
+        else:  # that of the lane, of which its next parameters are drawn, too
+            self._generators[lane].bit_generator.state = memory.generator.bit_generator.state
 
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
         """(k, measured) exact values with noise and in steps of the encoder."""

@@ -75,6 +75,13 @@ def test_there_is_room_for_any_number_of_contacts(monkeypatch):
     assert len(env.trajectory.contacts) == env.trajectory.contact_starts.sum() > 100
 
 
+def test_a_page_of_no_landing_says_so(tmp_path):
+    path = tmp_path / "page.html"
+    short = ["--env-kwargs", "deadline=1.0", "settling_window=0.5"]
+    assert main(["replay", "--controllers", "passive", *RIGID, *short, "--out", str(path)]) == 0
+    assert "Of 1 controllers none lands" in path.read_text(encoding="utf-8")
+
+
 def test_nothing_recorded_and_a_bad_step_are_refused():
     env = gymnasium.make(DEPLOY_V1, model="rigid-ideal")
     with pytest.raises(gymnasium.error.ResetNeeded, match="nothing recorded"):

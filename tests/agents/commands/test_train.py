@@ -49,3 +49,5 @@ def test_going_on_from_something_else_than_a_run_is_refused(tmp_path):
         run("--resume", tmp_path)
     with pytest.raises(ValueError, match="--n-envs beside --resume: a run keeps its own; leave it out"):
         run("--resume", tmp_path, "--n-envs", 4)
+    with pytest.raises(ValueError, match="--algo beside --resume"):
+        run("--resume", tmp_path, "--algo", "ppo")

@@ -71,3 +71,12 @@ def test_a_lane_that_fails_between_samples_leaves_the_others_and_begins_anew():
     assert one[1][1] == 0.0
     env.reset(options={"reset_mask": one[3]})
     assert not env.step(np.full((3, 1), 0.6))[3].any()
+
+
+@pytest.mark.parametrize(("period", "deadline"), [(0.7, 2.1), (0.3, 0.9), (0.1, 2.1)])
+def test_periods_that_fill_the_deadline_but_for_rounding_end_with_it(period, deadline):
+    env = make("rigid-ideal", control_period=period, deadline=deadline, settling_window=period)
+    env.reset(seed=0)
+    ends = [env.step([0.0])[2] for _ in range(round(deadline / period))]
+    assert ends == [False] * (len(ends) - 1) + [True]
+    assert env.simulation.time == deadline

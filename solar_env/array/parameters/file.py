@@ -78,6 +78,10 @@ def _parameter_file(values: dict[str, Any]) -> ParameterFile:
         if name in ranges:
             raise ValueError(f"{name} stands in both {TOLERANCE} and {RANDOMIZE}; keep one")
         ranges[name] = _about(parameters, name, half_width)
+        try:
+            checked_ranges(parameters, {name: ranges[name]})
+        except ValueError as error:
+            raise ValueError(f"tolerance of {name} = {half_width!r} is too wide or none: {error}") from error
     return ParameterFile(parameters, checked_ranges(parameters, ranges))
 
 

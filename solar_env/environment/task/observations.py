@@ -143,9 +143,8 @@ channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 def measured_for(entry: Entry) -> tuple[Observable, int]:
     """The quantity, and its joint, that is measured for an entry of an observation to be shown."""
     of = entry.observable
-    return next(
-        row for row in OBSERVABLES if row.name == (of.source if isinstance(of, Feature) else of.name)
-    ), entry.joint
+    name = of.source if isinstance(of, Feature) else of.name
+    return next(row for row in OBSERVABLES if row.name == name), entry.joint
 
 
 def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:

@@ -72,10 +72,8 @@ def begin_period(state, task, periods, lane):
     """
     for j in range(state.joints.size):
         state.joints[j].recent_peak_force = 0.0
-    end, last = (
-        (round(state.clock[0].time / task.control_period) + 1) * task.control_period,
-        end_of_episode(state, task),
-    )
+    end = (round(state.clock[0].time / task.control_period) + 1) * task.control_period
+    last = end_of_episode(state, task)
     periods.end_times[lane] = last if last < end + 1e-6 * task.control_period else end
     periods.samples[lane] = 0
 

@@ -4,11 +4,12 @@ Errors and costs of the levels are read from a table that `solar-env ladder` mea
 """
 
 import csv
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import get_type_hints
+
+from solar_env.support.values import check_name, check_positive
 
 PACKAGED_TABLE = Path(__file__).resolve().parent / "data" / "ladder.csv"
 
@@ -23,6 +24,7 @@ QUESTIONS = {
     "pairs in the wrong order",
 }
 _ROUNDING = 1.0 + 1e-9  # shares of pairs are compared with tolerances that are such shares
+_LARGEST_TOLERANCE = 10.0  # beyond it, a share is meant in per cent
 
 
 @dataclass(frozen=True)
@@ -85,10 +87,10 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
         ValueError: if the question is unknown or was not measured, the tolerance is no positive finite number, or no
             level is within it.
     """
-    if question not in QUESTIONS:
-        raise ValueError(f"question {question!r} is unknown; choose from {', '.join(QUESTIONS)}")
-    if not 0.0 < tolerance < math.inf:
-        raise ValueError(f"tolerance = {tolerance!r} must be a positive finite number")
+    check_name("question", question, QUESTIONS)
+    check_positive("tolerance", tolerance)
+    if tolerance > _LARGEST_TOLERANCE:
+        raise ValueError(f"tolerance = {tolerance:g} is {tolerance:,.0%}; give a share, such as 0.2 for 20 %")
     asked = [answer for answer in answers if answer.question == question]
     if not asked:
         raise ValueError(f"the table does not tell of {question!r}; measure it: solar-env ladder")

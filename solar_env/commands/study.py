@@ -12,7 +12,7 @@ import tyro
 
 from solar_env.commands import table
 from solar_env.commands.arguments import CommandRecord, FolderOptions, WorkerOptions
-from solar_env.support.values import unknown_name
+from solar_env.support.values import check_name
 
 _NAMES = "\n".join(f"{name}: {summary}" for name, summary in table.summaries(table.STUDIES, "run").items())
 
@@ -35,8 +35,7 @@ class Args(FolderOptions, WorkerOptions, CommandRecord):
         """
         names = list(known)
         for part in self.only:
-            if part not in names:
-                raise ValueError(unknown_name(f"part of the study {self.name}", part, names))
+            check_name(f"part of the study {self.name}", part, names)
         return self.only or names
 
 

@@ -1,13 +1,11 @@
 """Tables of commands and of studies: names of modules in `[project.entry-points]`, of this package and of others."""
 
-import ast
 import importlib
-import importlib.util
 import tomllib
 from importlib.metadata import entry_points
-from pathlib import Path
 from typing import Any
 
+from solar_env.support.docstrings import docstring
 from solar_env.support.readme import PACKAGE
 from solar_env.support.values import unknown_name
 
@@ -39,16 +37,5 @@ def load(group: str, name: str) -> Any:
 
 def summaries(group: str, what: str) -> dict[str, str]:
     """Name -> first sentence of the docstring of `what` in its module, which is read and not imported."""
-    return {name: _summary(module, what) for name, module in rows(group).items()}
-
-
-def _summary(module: str, what: str) -> str:
-    spec = importlib.util.find_spec(module)
-    assert spec is not None
-    assert spec.origin is not None
-    (found,) = (
-        node
-        for node in ast.parse(Path(spec.origin).read_text(encoding="utf-8")).body
-        if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name == what
-    )
-    return (ast.get_docstring(found) or "").partition("\n\n")[0].replace("\n", " ").rstrip(".")
+    sentences = {name: docstring(module, what).partition("\n\n")[0] for name, module in rows(group).items()}
+    return {name: sentence.replace("\n", " ").rstrip(".") for name, sentence in sentences.items()}

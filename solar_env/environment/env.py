@@ -171,7 +171,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             ValueError: for unknown options, parameters or refused values; the present episode goes on then.
         """
         settings = self._episodes.settings
-        changes = [settings.check_options(options, "parameters").get("parameters") or {}]
+        changes = [settings.check_options(options, "parameters").get("parameters", {})]
         with self._episodes.alone():
             settings.check_changes(changes[0])
             super().reset(seed=seed)
@@ -185,7 +185,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.
-            ValueError, TypeError: if the action has the wrong shape, is not finite, or is no number.
+            ValueError: if the action has the wrong shape, is not finite, or is no number.
             SimulationError: if the simulation cannot go on, or takes more than `max_steps` steps.
             RuntimeError: if another thread is in a call of this environment.
 

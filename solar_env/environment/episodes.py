@@ -22,6 +22,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
+from solar_env.support.values import is_whole_number, plain
 
 Info = dict[str, Any]  # of a step or a deployment, as the environments tell it
 
@@ -192,6 +193,8 @@ class Episodes:
             ValueError: if task, hardware, structure, entries observed or terms charged differ; the present episode goes
                 on then.
         """
+        if not isinstance(saved, SavedEpisode):
+            raise ValueError(f"{str(saved)[:100]} is no saved episode; give what save() returned")
         if saved.names != self.settings.terms.names:
             raise ValueError(
                 f"the saved episode was charged for {', '.join(saved.names)}, this one for "
@@ -227,6 +230,8 @@ class Episodes:
         Each has all that is saved of the original, with the noise that is to come, and goes on to the same bits under
         the same actions; on `threads` threads at most.
         """
+        if not is_whole_number(plain(count), 1):
+            raise ValueError(f"lanes = {count!r} must be a whole number, at least 1")
         saved = self.save(lane)
         copies = type(self)([replace(self.lanes[lane], render_mode=None)] * count, threads)
         copies._batch = Batch([self._simulation(saved) for _ in range(count)], threads)
@@ -295,12 +300,12 @@ def checked_actions(given: object, shape: tuple[int, ...]) -> NDArray[np.float64
     """Actions, (motors,) of one array or (lanes, motors) of many, as a new array of floating-point numbers.
 
     Raises:
-        ValueError, TypeError: if they have another shape, are no numbers, or are not finite.
+        ValueError: if they have another shape, are no numbers, or are not finite.
     """
     try:
         actions = np.array(given, dtype=np.float64)
-    except OverflowError as error:  # of a whole number of Python, which has no limit
-        raise ValueError("action is not finite in floating point; give numbers from -1 to 1") from error
+    except (ValueError, TypeError, OverflowError) as error:  # whole numbers of Python have no limit
+        raise ValueError(f"action = {str(given)[:99]} is no array of finite numbers; give some of -1 to 1") from error
     if actions.shape != shape:
         raise ValueError(f"the action has shape {actions.shape}, expected {shape}")
     if not np.isfinite(actions).all():

@@ -20,7 +20,7 @@ from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS, Task
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.support.values import changed, unknown_name
+from solar_env.support.values import changed, check_name, plain, unknown_name
 
 RENDER_MODES = ("human", "rgb_array")
 Changes = Mapping[str, Any]
@@ -79,8 +79,7 @@ class EnvironmentSettings:
             raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
         # Whatever follows from the keywords refuses values that it cannot follow from.
         for name, table in (("scenario", SCENARIOS), ("version", VERSIONS)):
-            if getattr(self, name) not in table:
-                raise ValueError(unknown_name(f"the {name}", getattr(self, name), table))
+            check_name(f"the {name}", getattr(self, name), table)
         for name in ("level", "integrator", "array", "ranges", "devices", "task", "entries", "terms"):
             getattr(self, name)
         build(self.array, self.level)  # refuses parameters that do not go with the panels
@@ -147,7 +146,7 @@ class EnvironmentSettings:
     @cached_property
     def task(self) -> Task:
         """Limits, durations and the driven joint."""
-        given = {item.name: getattr(self, item.name, None) for item in fields(Task)}
+        given = {item.name: plain(getattr(self, item.name, None)) for item in fields(Task)}
         usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
         if task.driven_joint >= len(self.array.joints):
@@ -195,9 +194,10 @@ class EnvironmentSettings:
 
     def check_options(self, options: Changes | None, *known: str) -> Changes:
         """The options of a reset; an unknown one is refused by a ValueError."""
+        if not isinstance(options, Mapping | None):
+            raise ValueError(f"options = {options!r} must be a mapping of names to values")
         for name in options or {}:
-            if name not in known:
-                raise ValueError(unknown_name("the reset option", name, known))
+            check_name("the reset option", name, known)
         return options or {}
 
     def check_changes(self, changes: Changes) -> None:

@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
-from operator import index
 from typing import Any
 
 import gymnasium
@@ -123,14 +122,14 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         if isinstance(seed, (int, np.integer)):
             seed = range(int(seed), int(seed) + self.num_envs)
         seeds = _by_lane("seed", seed, self.num_envs)
-        by_lane = _by_lane("options['parameters']", given.get("parameters") or {}, self.num_envs)
+        by_lane = _by_lane("options['parameters']", given.get("parameters", {}), self.num_envs)
         begun = lanes.tolist()
         chosen = [by_lane[lane] for lane in begun]
         with self.episodes.alone():
             self.episodes.check_lanes(lanes)
             for lane, change in zip(begun, chosen, strict=True):
                 self.episodes.lanes[lane].check_changes(change)
-            seeded = {lane: seeding.np_random(index(seeds[lane])) for lane in begun if seeds[lane] is not None}
+            seeded = {lane: seeding.np_random(plain(seeds[lane])) for lane in begun if seeds[lane] is not None}
             for lane, (generator, used) in seeded.items():
                 self._generators[lane], self._seeds[lane] = generator, used
             self._fold(lanes, chosen)

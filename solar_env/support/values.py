@@ -20,7 +20,7 @@ _WANTED = {
 }
 
 
-def is_number(value: object) -> bool:
+def is_number(value: Any) -> bool:
     """Whether it is an int or a float of Python, as NumPy's float64 is; a bool is none."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
@@ -30,7 +30,7 @@ def is_whole_number(value: object, least: int) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and value >= least
 
 
-def plain(value: object) -> object:
+def plain(value: object) -> Any:
     """A value with Python's types in place of NumPy's, and tuples in place of lists."""
     if isinstance(value, (np.generic, np.ndarray)):
         value = value.tolist()
@@ -64,6 +64,18 @@ def _is_a(kind: type, value: Any) -> bool:
     return isinstance(value, kind)
 
 
+def check_positive(name: str, value: Any, unit: str = "") -> None:
+    """Refuse what is no positive finite number, by a ValueError."""
+    if not (is_number(value) and 0.0 < value < math.inf):
+        raise ValueError(f"{name} = {value!r}{unit} must be positive and finite")
+
+
+def check_name(kind: str, name: object, known: Iterable[str]) -> None:
+    """Refuse what is none of the known names, by a ValueError."""
+    if not isinstance(name, str) or name not in known:
+        raise ValueError(unknown_name(kind, name, known))
+
+
 def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
     """A sentence that says that a name is unknown, and which known ones come close, or else all of them."""
     names = list(known)
@@ -82,6 +94,5 @@ def changed(kind: str, values: Values, changes: Mapping[str, object]) -> Values:
         raise ValueError(f"{kind}: {changes!r} must be a mapping of names to values")
     known = [item.name for item in fields(values)]
     for name in changes:
-        if name not in known:
-            raise ValueError(unknown_name(kind, name, known))
-    return replace(values, **changes)
+        check_name(kind, name, known)
+    return replace(values, **{name: plain(value) for name, value in changes.items()})

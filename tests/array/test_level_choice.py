@@ -32,7 +32,9 @@ def test_the_cheapest_level_within_the_tolerance_is_taken_and_else_the_question_
     assert {tolerance: cheapest(LEVELS, "wear", tolerance).level for tolerance in chosen} == chosen
     for question, tolerance, words in (
         ("wear", 0.02, "'wear'.*0.02.*flexible-clearance.*0.03.*name a level"),
-        ("wears", 0.1, "wears.*latch-time.*controller-ranking"),
+        ("wears", 0.1, "question 'wears' is unknown; did you mean 'wear'"),
+        ("wear", 20, "tolerance = 20 is 2,000%; give a share"),
+        ("wear", "a", "tolerance = 'a' must be"),
         ("impulse", 0.1, "impulse.*solar-env ladder"),
         ("wear", 0.0, "tolerance.*0.0"),
         ("wear", math.nan, "tolerance.*nan"),

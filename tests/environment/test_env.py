@@ -75,6 +75,7 @@ def test_the_privileged_observation_adds_journals_contacts_and_the_spin_of_the_m
     [{"observation": "privileged"}, {"observation": "history", "hardware": {"rate_noise": 5.0}}],
     ids=["past the deadline", "noise beyond the bounds"],
 )
+@pytest.mark.filterwarnings("ignore::solar_env.array.parameters.checks.UnitWarning")
 def test_no_observation_of_an_episode_leaves_the_space(keywords):
     """Of one that has latched before the deadline, which then passes within the window after the latching."""
     env = make("rigid-clearance", deadline=12.4, **keywords)

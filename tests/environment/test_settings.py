@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import FrozenInstanceError, fields, replace
 
 import gymnasium
+import numpy as np
 import pytest
 
 import solar_env
+from solar_env.array.parameters.checks import UnitWarning
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
 
@@ -53,3 +55,35 @@ def test_settings_cannot_be_changed_and_a_changed_copy_is_checked_anew():
     for joint, words in ((2, "= 2 must be below panel_count = 2"), (-1, "-1"), (0.5, "0.5"), (True, "True")):
         with pytest.raises(ValueError, match=words):
             replace(settings, driven_joint=joint)
+
+
+@pytest.mark.parametrize("value", [-5, 2.5, "nonsense", ["torque"], {"a": 1}, {"scaled"}, b"x", 3 + 2j, object, True])
+@pytest.mark.parametrize("name", KEYWORDS)
+def test_a_value_of_another_kind_is_refused_by_the_keywords_name_or_taken(name, value):
+    try:
+        EnvironmentSettings(**{name: value})
+    except ValueError as error:
+        told = str(error)
+        words = {"randomize": "parameter", "parameters": "parameter", "observation": "observable"}
+        assert name in told or words.get(name, name) in told
+
+
+def test_numbers_of_numpy_are_taken_as_pythons():
+    numbers = {"driven_joint": np.int64(1), "torque_limit": np.float32(0.5), "deadline": np.array(30.0)}
+    taken = EnvironmentSettings(**numbers, hardware={"motor_lag": np.float16(0.5)}, max_steps=np.int32(10**6))
+    assert taken.task == replace(EnvironmentSettings().task, driven_joint=1, torque_limit=0.5, deadline=30.0)
+    assert type(taken.devices.motor_lag) is type(taken.task.torque_limit) is float
+
+
+@pytest.mark.parametrize(
+    ("keywords", "told"),
+    [
+        ({"torque_limit": 1000.0}, r"torque_limit = 1000 N m is .* not in N mm"),
+        ({"deadline": 2e5}, r"deadline = 200000 s is .* not in ms"),
+        ({"hardware": {"angle_noise": 1.7}}, r"angle_noise = 1\.7 rad is .* not in degrees"),
+        ({"hardware": {"motor_lag": 100.0}}, r"motor_lag = 100 s is .* not in ms"),
+    ],
+)
+def test_a_value_of_task_or_hardware_that_is_probably_in_another_unit_is_told(keywords, told):
+    with pytest.warns(UnitWarning, match=told):
+        EnvironmentSettings(**keywords)

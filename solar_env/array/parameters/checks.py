@@ -66,6 +66,7 @@ POISSON = Rule(math.nextafter(-1.0, 0.0), 0.5, "must lie in (-1, 0.5]")
 LENGTH, PLACE = Usual(0.005, 50.0, "m", "mm"), Usual(0.0, 50.0, "m", "mm")
 MODULUS = Usual(1e5, 5e12, "Pa", "MPa or GPa")
 SPRING, ROTARY = Usual(1e-6, 100.0, "N m/rad", "N mm/rad"), Usual(0.0, 1e7, "N m/rad", "N mm/rad")
+HERTZIAN = Usual(1e4, 1e14, "N/m^1.5", "N/mm^1.5")
 PLAY_ANGLE = Usual(0.0, 0.3, "rad", "degrees")
 SPEED = Usual(1e-9, 1.0, "m/s", "mm/s")
 ANGULAR_RATE = Usual(0.0, 10.0, "rad/s", "degrees per second")
@@ -87,11 +88,17 @@ def row_of(item: Field[Any]) -> Row:
 
 
 def check_rows(values: Any) -> None:
-    """Refuse the first number of a dataclass that does not keep to the rule of its row, by a ValueError."""
+    """Refuse the first number of a dataclass that does not keep to the rule of its row, by a ValueError.
+
+    Warns:
+        UnitWarning: of values that were probably given in another unit.
+    """
     for item in fields(values):
-        value, rule = getattr(values, item.name), row_of(item).rule
+        value, (rule, usual, *_) = getattr(values, item.name), row_of(item)
         if "row" in item.metadata and not (is_number(value) and rule.least <= value <= rule.greatest):
             raise ValueError(f"{item.name} = {value!r} {rule.text}")
+        if usual:
+            _warn_of_implausible(item.name, (value,), usual)
 
 
 def check_parameters(p: ArrayParameters) -> None:

@@ -5,9 +5,7 @@ known exactly: `tolerance` gives half-widths about the values, `randomize` low a
 environments does. Both are drawn uniformly, by joint where the parameter is.
 """
 
-import ast
 import codecs
-import inspect
 import json
 import math
 import re
@@ -21,8 +19,9 @@ from typing import Any, NamedTuple
 from solar_env.array.parameters.checks import row_of
 from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
+from solar_env.support.docstrings import docstring
 from solar_env.support.plain_arrays import read_at_most
-from solar_env.support.values import is_number, unknown_name
+from solar_env.support.values import check_name, is_number
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
 # How a file says None, for which TOML has no word.
@@ -70,8 +69,7 @@ def _parameter_file(values: dict[str, Any]) -> ParameterFile:
             raise ValueError(f"{name} must be a table: write [{name}] and the parameters below it")
     rows = {item.name: row_of(item) for item in fields(ArrayParameters)}
     for name in values:
-        if name not in rows:
-            raise ValueError(unknown_name("parameter", name, [*rows, *tables]))
+        check_name("parameter", name, [*rows, *tables])
     changes = {name: None if rows[name].optional and value == NONE else value for name, value in values.items()}
     parameters, ranges = ArrayParameters().with_changes(changes), dict(tables[RANDOMIZE])
     for name, half_width in tables[TOLERANCE].items():
@@ -113,11 +111,7 @@ def _explained(error: ValueError) -> str:
 @cache
 def explanations() -> dict[str, str]:
     """Explain each parameter, with its unit and source: the docstring of `ArrayParameters`, by name."""
-    (document,) = (  # from the source: python -OO leaves docstrings out
-        (ast.get_docstring(node) or "").split("Attributes:\n")[1]
-        for node in ast.parse(Path(inspect.getfile(ArrayParameters)).read_text(encoding="utf-8")).body
-        if isinstance(node, ast.ClassDef) and node.name == ArrayParameters.__name__
-    )
+    document = docstring(ArrayParameters.__module__, ArrayParameters.__name__).split("Attributes:\n")[1]
     texts: dict[str, str] = {}
     for names, text in re.findall(r"^ {4}(\w[\w, ]*):((?:.|\n {8})*)", document, re.MULTILINE):
         texts |= dict.fromkeys(names.split(", "), " ".join(text.split()).rstrip("."))

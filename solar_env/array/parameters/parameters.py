@@ -18,7 +18,7 @@ from solar_env.array.parameters import checks as c
 from solar_env.array.parameters.checks import number, per_joint
 from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw, Surfaces, contact_law
 from solar_env.mechanics.mechanism import Bearing, Stop
-from solar_env.support.values import changed, plain, unknown_name
+from solar_env.support.values import changed, check_name, plain
 
 PerJoint = float | tuple[float, ...]
 MAIN_BODY = 0  # index among the bodies of the mechanism
@@ -139,19 +139,19 @@ class ArrayParameters:
     spring_preload_angle: PerJoint = per_joint((math.pi / 2, math.pi), c.TURN, drawn_by_joint=True)
     cable_stiffness: PerJoint = per_joint(20.0, c.NOT_NEGATIVE, c.ROTARY)
     cable_torque_ratio: float | None = number(None, c.NOT_NEGATIVE, optional=True)
-    cable_preload_force: float = number(50.0, c.NOT_NEGATIVE)
+    cable_preload_force: float = number(50.0, c.NOT_NEGATIVE, c.Usual(0.01, 1e4, "N", "mN"))
     cable_wheel_radius: float = number(0.05, c.POSITIVE, c.Usual(1e-4, 5.0, "m", "mm"))
     cable_bearing_forces: bool = False
     latch_gap: PerJoint = per_joint(0.01, c.PLAY, c.PLAY_ANGLE)
     latch_stiffness: PerJoint = per_joint(1e3, c.POSITIVE, c.ROTARY)
     latch_exponent: PerJoint = per_joint(1.0, c.AT_LEAST_ONE)
     latch_ramp_depth: PerJoint = per_joint(1e-3, c.POSITIVE, c.Usual(0.0, 2.0 * math.pi, "rad", "degrees"))
-    latch_damping: PerJoint = per_joint(10.0, c.NOT_NEGATIVE)
+    latch_damping: PerJoint = per_joint(10.0, c.NOT_NEGATIVE, c.Usual(1e-4, 1e4, "N m s/rad", "N mm s/rad"))
     clearance: PerJoint = per_joint(2e-4, c.GAP, c.Usual(1e-9, 1e-2, "m", "mm"), drawn_by_joint=True)
     journal_radius: float = number(0.01, c.POSITIVE, c.Usual(1e-4, 0.5, "m", "mm"))
     contact_law: str = "lankarani-nikravesh"
     restitution: PerJoint = per_joint(0.9, c.SHARE)
-    contact_stiffness: PerJoint | None = per_joint(7.39e10, c.POSITIVE, optional=True)
+    contact_stiffness: PerJoint | None = per_joint(7.39e10, c.POSITIVE, c.HERTZIAN, optional=True)
     journal_young: float = number(207e9, c.POSITIVE, c.MODULUS)
     journal_poisson: float = number(0.3, c.POISSON)
     bearing_young: float = number(105e9, c.POSITIVE, c.MODULUS)
@@ -198,8 +198,7 @@ class ArrayParameters:
         Raises:
             ValueError: if the name is unknown.
         """
-        if name not in PRESETS:
-            raise ValueError(unknown_name("preset", name, PRESETS))
+        check_name("preset", name, PRESETS)
         return cls(**PRESETS[name])
 
     def with_changes(self, changes: Mapping[str, object]) -> Self:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from solar_env.array.parameters.parameters import ArrayParameters
-from solar_env.support.values import is_number, plain, unknown_name
+from solar_env.support.values import check_name, is_number, plain
 
 # Joint rates [rad/s], either way of rest, at which deployments that are meant to be alike are released: impacts are
 # chaotic, so that a single deployment says little, and these are far apart from the latching on. In the mean, joint 1
@@ -40,8 +40,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     checked: dict[str, tuple[Bound, Bound]] = {}
     for name, pair in ranges.items():
         told = f"randomize[{name!r}]"
-        if name not in vars(parameters):
-            raise ValueError(unknown_name("parameter", name, vars(parameters)))
+        check_name("parameter", name, vars(parameters))
         if name not in ArrayParameters.CONTINUOUS:
             raise ValueError(f"{told}: {name} is not a real number and cannot be drawn")
         bounds: Any = pair

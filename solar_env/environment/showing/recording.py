@@ -9,6 +9,7 @@ import numpy as np
 
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table
+from solar_env.support.values import check_positive
 
 _CONTACTS = 1000  # that there is room for at first
 
@@ -24,8 +25,9 @@ class RecordTrajectory(gymnasium.Wrapper):
     """
 
     def __init__(self, env: gymnasium.Env, output_step: float = 0.005) -> None:
-        if not 0.0 < output_step < math.inf:
-            raise ValueError(f"output_step = {output_step!r} s must be positive and finite")
+        check_positive("output_step", output_step, " s")
+        if not hasattr(env.unwrapped, "episode_parameters"):
+            raise ValueError(f"{env} is no environment of a solar array: record one of solar_env")
         super().__init__(env)
         self._step = output_step
         self._moments: list[tuple[bytes, list[int]]] = []  # digests of states, and how much was recorded by then

@@ -3,7 +3,7 @@
 import itertools
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
-from solar_env.support.values import unknown_name
+from solar_env.support.values import check_name, unknown_name
 
 # Codes of `reading`.
 THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)
@@ -114,6 +114,8 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
         if observation not in OBSERVATIONS:
             raise ValueError(unknown_name("observation", observation, OBSERVATIONS) + ", or list names of observables")
         observation = (observation,)
+    if not isinstance(observation, Iterable):
+        raise ValueError(f"observation = {observation!r} must be a name, or a list of names of observables")
     entries: list[Entry] = []
     listed = [OBSERVATIONS.get(name, (name,)) if isinstance(name, str) else (name,) for name in observation]
     for names in itertools.chain(*listed):
@@ -129,8 +131,7 @@ def _observable(name: str) -> tuple[Observable | Feature, int]:
     """The observable or feature that a name of an observation stands for, and its age [control periods]."""
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
     stem, age = (past[1], int(past[2])) if past else (name, 0)
-    if stem not in _BY_NAME:
-        raise ValueError(unknown_name("the observable", stem, _BY_NAME))
+    check_name("the observable", stem, _BY_NAME)
     if age > GREATEST_AGE:
         raise ValueError(f"{name!r} is {age} control periods old; observe at most {GREATEST_AGE} periods back")
     return _BY_NAME[stem], age

@@ -16,7 +16,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
-from solar_env.support.values import changed, is_number, plain, unknown_name
+from solar_env.support.values import changed, check_name, is_number, plain
 
 # Codes of `reading`.
 PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_SLIDING_WORK = range(5)
@@ -53,8 +53,7 @@ class Price:
     form: str = "linear"
 
     def __post_init__(self) -> None:
-        if self.form not in FORMS:
-            raise ValueError(unknown_name("the form", self.form, FORMS))
+        check_name("the form", self.form, FORMS)
         check_rows(self)
 
     @property
@@ -154,8 +153,7 @@ class Reward:
         if not isinstance(changes or {}, Mapping):
             raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices, or a function")
         for name, change in (*version.prices.items(), *(changes or {}).items()):
-            if name not in self.prices:
-                raise ValueError(unknown_name("the term of the reward", name, self.prices))
+            check_name("the term of the reward", name, self.prices)
             given = vars(change) if isinstance(change, Price) else change
             try:
                 given = given if isinstance(given, Mapping) else {"weight": given}

@@ -6,15 +6,16 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
 from typing import NamedTuple
 
-from solar_env.array.parameters.checks import Rule, check_rows, number
+from solar_env.array.parameters.checks import Rule, Usual, check_rows, number
 from solar_env.environment.hardware import Hardware
-from solar_env.support.values import is_whole_number, unknown_name
+from solar_env.support.values import check_name, is_whole_number
 
 # What an action is, by its name, and their codes for kernels.
 ACTIONS = {"torque": 0, "log_rate": 1}
 TORQUE, LOG_RATE = ACTIONS.values()
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
 _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "must be a finite number, not negative")
+_TIME = Usual(1e-4, 1e5, "s", "ms")
 
 
 @dataclass(frozen=True)
@@ -34,18 +35,17 @@ class Task:
             loop, behind a lag.
     """
 
-    torque_limit: float = number(MISSING, _POSITIVE)
-    control_period: float = number(MISSING, _POSITIVE)
-    deadline: float = number(MISSING, _POSITIVE)
-    settling_window: float = number(MISSING, _POSITIVE)
+    torque_limit: float = number(MISSING, _POSITIVE, Usual(1e-4, 200.0, "N m", "N mm"))
+    control_period: float = number(MISSING, _POSITIVE, _TIME)
+    deadline: float = number(MISSING, _POSITIVE, _TIME)
+    settling_window: float = number(MISSING, _POSITIVE, _TIME)
     overtime: float = number(0.0, _NOT_NEGATIVE)
     drive_settles: bool = False
     driven_joint: int = 0
     action: str = "torque"
 
     def __post_init__(self) -> None:
-        if self.action not in ACTIONS:
-            raise ValueError(unknown_name("the action", self.action, ACTIONS))
+        check_name("the action", self.action, ACTIONS)
         check_rows(self)
         for name in ("settling_window", "deadline"):
             value, period = getattr(self, name), self.control_period

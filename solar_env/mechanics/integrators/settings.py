@@ -8,6 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from solar_env.support.values import check_positive, is_number, plain
+
 # The exit speed of an impact is then good to 1 %: measured (`studies/stability/impact_maps.py`).
 FEWEST_EXPLICIT_STEPS = 4  # of an impact, explicit Runge-Kutta
 _FEWEST_IMPLICIT_STEPS = 8  # of an impact, generalized-alpha, where its algorithmic damping does not need more
@@ -50,12 +52,14 @@ class RungeKutta:
 
     def with_options(self, step: float | None, rtol: float | None) -> RungeKutta:
         """These settings, with a bound on the step [s] or a tolerance if they are given."""
+        if step is not None:
+            check_positive("step", step, " s")
         return replace(self, max_step=self.max_step if step is None else step, rtol=self.rtol if rtol is None else rtol)
 
     def __post_init__(self) -> None:
         if not self.least_rtol <= self.rtol <= 1e-1:
             raise ValueError(f"rtol = {self.rtol!r} must lie between {self.least_rtol:g} and 0.1")
-        _check_positive(self, ("velocity_scale", "impact_resolution"))
+        _check_settings(self, ("velocity_scale", "impact_resolution"))
         if not self.max_step > 0.0:
             raise ValueError(f"max_step = {self.max_step!r} s must be positive")
         if self.impact_resolution < self.fewest_steps:
@@ -144,7 +148,7 @@ class GeneralizedAlpha:
             raise ValueError(f"rho_inf = {self.rho_inf!r} must lie in [0, 1]")
         if not 1e-9 <= self.step <= 1.0:
             raise ValueError(f"step = {self.step!r} s must lie between 1e-9 and 1 s")
-        _check_positive(self, ("newton_tolerance",))
+        _check_settings(self, ("newton_tolerance",))
 
 
 Integrator = RungeKutta | GeneralizedAlpha
@@ -154,12 +158,11 @@ INTEGRATORS: dict[str, type[Integrator]] = {
 }
 
 
-def _check_positive(integrator: Integrator, names: tuple[str, ...]) -> None:
+def _check_settings(integrator: Integrator, names: tuple[str, ...]) -> None:
     for name in names:
-        if not 0.0 < getattr(integrator, name) < math.inf:
-            raise ValueError(f"{name} = {getattr(integrator, name)!r} must be positive and finite")
-    steps = integrator.max_steps
-    if not (math.isfinite(steps) and steps >= 1 and int(steps) == steps):
+        check_positive(name, getattr(integrator, name))
+    steps = plain(integrator.max_steps)
+    if not (is_number(steps) and 1 <= steps < math.inf and int(steps) == steps):
         raise ValueError(f"max_steps = {steps!r} must be a whole number, at least 1")
 
 

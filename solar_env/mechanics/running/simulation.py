@@ -24,6 +24,7 @@ from solar_env.mechanics.records.recording import Recorder, make_recorder
 from solar_env.mechanics.running.diagnosis import force_shortcoming, range_shortcoming, shortcomings, warn
 from solar_env.mechanics.running.errors import SimulationError, failure
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table, energy_flows
+from solar_env.support.values import check_positive
 
 # Of a compiled call, whose end is the longest that Ctrl-C waits: some tenths of a second at most.
 STEPS_PER_CALL = 5000
@@ -273,9 +274,8 @@ def sample_times(duration: float, output_step: float) -> NDArray[np.float64]:
     Raises:
         ValueError: if one of them is not positive and finite, or the samples are too many.
     """
-    for name, value in (("duration", duration), ("output_step", output_step)):
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value!r} s must be positive and finite")
+    check_positive("duration", duration, " s")
+    check_positive("output_step", output_step, " s")
     count = duration / output_step
     if count > _MOST_SAMPLES:
         raise ValueError(

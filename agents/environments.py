@@ -63,6 +63,21 @@ def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID
     return {"randomize": {SAMPLED: (low, high)}, **env_kwargs}
 
 
+def with_interface(env_kwargs: Mapping[str, object], controller: str, interface: Mapping[str, object]) -> Keywords:
+    """Return `env_kwargs` with the interface of a controller.
+
+    Raises:
+        ValueError: They name another interface.
+    """
+    for name, value in interface.items():
+        if env_kwargs.get(name, value) != value:
+            raise ValueError(
+                f"--env-kwargs {name}={env_kwargs[name]!r} does not go with --controllers {controller}, which has "
+                f"{name}={value!r}: leave out one of them"
+            )
+    return {**env_kwargs, **interface}
+
+
 def environment_settings(
     env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None
 ) -> EnvironmentSettings:

@@ -10,7 +10,7 @@ from PIL import Image
 from agents.commands.arguments import ModelOptions
 from agents.comparison.controllers import parse_controllers
 from agents.comparison.report import TABLE
-from agents.environments import DEFAULT_ENV_ID, MODEL, episode_seeds, make_env, with_sampling
+from agents.environments import DEFAULT_ENV_ID, MODEL, episode_seeds, make_env, with_interface, with_sampling
 from agents.rollout import Figures, run_episode
 from agents.torque_laws import Controller
 from solar_env.array import ArrayParameters
@@ -78,7 +78,7 @@ def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
     interfaces = {controller: controller.interface() for controller in parse_controllers(args.controllers)}
     with counting_bar(args.console) as bar:
         for controller, interface in bar.track(interfaces.items(), description="episodes"):
-            env = make_env(args.env_id, with_sampling({**asked, **interface}, args.env_id))
+            env = make_env(args.env_id, with_sampling(with_interface(asked, controller.name, interface), args.env_id))
             yield controller.name, controller.load(env), env
 
 

@@ -7,7 +7,7 @@ from agents.commands.arguments import ModelOptions
 from agents.comparison.evaluation import evaluate
 from agents.comparison.figures import Panel, learning_curves_figure
 from agents.comparison.report import write_comparison
-from agents.environments import episode_seeds
+from agents.environments import INTERFACE, episode_seeds
 from agents.learning import runs
 from agents.learning.training import ALGORITHMS, train
 from solar_env.commands.arguments import Assignments, CommandRecord, WorkerOptions
@@ -64,7 +64,8 @@ def run_command(args: Args) -> int:
     print(f"{config.algo} on {config.env_id}, {timesteps} steps -> {folder}")
     with keeping(lambda: f"solar-env train --resume {folder} goes on from the last validation"):
         train(config, folder, timesteps, progress=not args.quiet)
-        episodes = args.eval_episodes, config.seed, config.env_id, config.env_kwargs
+        shared = {name: value for name, value in config.env_kwargs.items() if name not in INTERFACE}
+        episodes = args.eval_episodes, config.seed, config.env_id, shared
         rows = evaluate([*LAWS, f"{config.algo}={folder}"], *episodes, not args.quiet, args.workers)
     summary, tables = write_comparison(folder, rows, {"command": args.command, "eval_episodes": args.eval_episodes})
     history = runs.read_evaluations(folder)
@@ -77,10 +78,10 @@ def run_command(args: Args) -> int:
 
 
 def configuration(args: Args) -> runs.Configuration:
-    """The settings of the run; rollouts of PPO are as long in all as those of one environment."""
+    """The settings of the run; rollouts of PPO are as long in all as one environment's, or the run."""
     if args.algo not in ALGORITHMS:
         raise ValueError(f"no algorithm {args.algo!r}; available: {', '.join(ALGORITHMS)}")
-    usual = {"n_steps": max(2048 // max(args.n_envs, 1), 1)} if args.algo == "ppo" else {}
     timesteps = TIMESTEPS if args.timesteps is None else args.timesteps
+    usual = {"n_steps": max(min(2048, timesteps) // max(args.n_envs, 1), 2)} if args.algo == "ppo" else {}
     asked = args.algo, args.env_id, args.keywords(), args.seed, args.n_envs, timesteps, usual | args.hyperparams
     return runs.Configuration(*asked, args.command, versions(*runs.LIBRARIES))

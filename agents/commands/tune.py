@@ -11,7 +11,14 @@ import tyro
 from agents.commands.arguments import ModelOptions
 from agents.comparison.evaluation import mean_returns
 from agents.configs import CONFIGS
-from agents.environments import DEFAULT_ENV_ID, OF_LAWS, environment_settings, episode_seeds, with_sampling
+from agents.environments import (
+    DEFAULT_ENV_ID,
+    OF_LAWS,
+    environment_settings,
+    episode_seeds,
+    with_interface,
+    with_sampling,
+)
 from agents.laws.baselines import load_parameters, store_parameters, tuning_of
 from agents.laws.table import TUNABLE
 from agents.learning import runs
@@ -50,7 +57,8 @@ def run_command(args: Args) -> int:
         raise ValueError(f"--episodes-per-candidate is {args.episodes_per_candidate}; give a positive number")
     check_target(CONFIGS / f"{args.controller}.json")
     untuned = TUNABLE[args.controller].defaults
-    env_kwargs, workers = with_sampling({**args.keywords(), **OF_LAWS}, args.env_id), args.workers
+    keywords, workers = with_interface(args.keywords(), args.controller, OF_LAWS), args.workers
+    env_kwargs = with_sampling(keywords, args.env_id)
     model = environment_settings(args.env_id, env_kwargs).level.name
     validation = episode_seeds("validation", args.seed, args.validation_episodes)
     start = load_parameters(args.controller, args.refine, model) if args.refine else untuned

@@ -14,7 +14,15 @@ from rich.console import Console
 
 from agents.comparison.controllers import NamedController, parse_controller, parse_controllers
 from agents.comparison.report import Row
-from agents.environments import DEFAULT_ENV_ID, INTERFACE, Keywords, episode_seeds, make_env, with_sampling
+from agents.environments import (
+    DEFAULT_ENV_ID,
+    INTERFACE,
+    Keywords,
+    episode_seeds,
+    make_env,
+    with_interface,
+    with_sampling,
+)
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
@@ -43,8 +51,8 @@ def evaluate(
             environment's model, see `agents.laws.baselines.load_parameters`.
         episodes: Episodes of each controller.
         seed: Chooses the block of evaluation seeds.
-        env_id, env_kwargs: Environment; without "randomize", that of `with_sampling`. The observation and the action
-            that a policy was trained with take precedence for it.
+        env_id, env_kwargs: Environment; without "randomize", that of `with_sampling`. Observation, action and control
+            period are those of each controller.
         progress: Show a progress bar.
         workers: Processes to run the episodes on.
 
@@ -54,20 +62,22 @@ def evaluate(
 
     Raises:
         FileNotFoundError, ValueError: A controller does not exist, does not fit the environment, or goes by the name of
-            another one; the environment refuses its keywords; or more than a tenth of the episodes failed.
+            another one; the environment refuses its keywords, or they name another interface than a controller's; or
+            more than a tenth of the episodes failed.
     """
     seeds = episode_seeds("evaluation", seed, episodes)
     sampled = with_sampling(env_kwargs or {}, env_id)
     # Their interfaces are read first: damaged files are refused before any work.
     interfaces = {controller: controller.interface() for controller in parse_controllers(controllers)}
+    keywords = {each: with_interface(sampled, each.name, interface) for each, interface in interfaces.items()}
     labels = [
         {"controller": controller.name, "spec": controller.spec, "episode": episode}
         for controller in interfaces
         for episode in range(episodes)
     ]
     cells = [
-        episode_cell(controller, env_id, sampled | interface, episode_seed)
-        for controller, interface in interfaces.items()
+        episode_cell(controller, env_id, of_controller, episode_seed)
+        for controller, of_controller in keywords.items()
         for episode_seed in seeds
     ]
     rows: list[Row] = [{**label, **of} for label, of in zip(labels, run_cells(cells, workers, progress), strict=True)]

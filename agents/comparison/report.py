@@ -121,7 +121,8 @@ def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, o
 
 
 def _plain(value: object) -> object:
-    """Convert estimates to dictionaries, and NaN, which JSON lacks, to None."""
+    """Convert estimates to dictionaries, without an interval over few values, and NaN, which JSON lacks, to None."""
     if isinstance(value, Estimate):
-        return {key: _plain(v) for key, v in asdict(value).items()}
+        few = dict.fromkeys(("lower", "upper"), math.nan) if value.count < FEWEST else {}
+        return {key: _plain(v) for key, v in (asdict(value) | few).items()}
     return None if isinstance(value, float) and math.isnan(value) else value

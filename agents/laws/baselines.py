@@ -20,7 +20,7 @@ FALLBACK_MODEL = "rigid-clearance"
 
 
 class UntunedWarning(UserWarning):
-    """A law acts with parameters that were tuned for another model."""
+    """A law acts with parameters that were tuned for another model, or another hinge."""
 
 
 def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
@@ -91,5 +91,12 @@ def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | Non
     signals = Signals.of(env)
     if name not in TUNABLE:
         return LAWS[name](signals)
+    if signals.driven_joint and not parameters:
+        warnings.warn(
+            f"{name!r} was tuned with the motor on the root hinge, not on joint {signals.driven_joint + 1}; tune it: "
+            f"solar-env tune --controller {name} --env-kwargs driven_joint={signals.driven_joint}",
+            UntunedWarning,
+            stacklevel=2,
+        )
     model: str = ModelLevel.of(env.unwrapped.model).name  # type: ignore[attr-defined]
     return TUNABLE[name](signals, parameters or load_parameters(name, env.spec.id if env.spec else "", model))

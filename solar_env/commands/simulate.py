@@ -61,6 +61,8 @@ def run_command(args: Args) -> int:
         check_target(args.plot, plots.SUFFIXES)
     if args.json is not None and str(args.json) != "-":
         check_target(args.json)
+        if args.json in (args.out, args.plot):
+            raise ValueError(f"--json {args.json} is the target of --out or --plot, too; name another file")
     name = args.integrator or default_integrator(level).name
     integrator = make_integrator(name, level, args.step, args.rtol)
     build(parameters, level)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.environment.episodes import Episodes, Info, checked_actions
+from solar_env.environment.episodes import Episodes, Info, checked_actions, raise_first
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
 from solar_env.environment.showing.window import Window
 from solar_env.environment.task.observations import observation_table
@@ -196,7 +196,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         with episodes.alone():
             if episodes.terminated[0]:
                 raise gymnasium.error.ResetNeeded(f"the episode ended at {self.simulation.time:g} s: call reset()")
-            episodes.step(self._lane, actions[np.newaxis])
+            raise_first(episodes.attempt(self._lane, actions[np.newaxis]))
             terminated, info = bool(episodes.terminated[0]), episodes.info(0)
             if terminated:
                 info["deployment"] = episodes.figures(0)

@@ -10,14 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
-from solar_env.environment.hardware import Hardware
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
 from solar_env.environment.task.drive import task_numbers
 from solar_env.environment.task.periods import hold_lanes, make_periods, observe_lanes
 from solar_env.environment.task.reward import Told, v1_return
 from solar_env.environment.task.sensors import Memory
-from solar_env.environment.task.task import Task
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError
@@ -33,10 +31,8 @@ class SavedEpisode(NamedTuple):
     """
 
     parameters: ArrayParameters
-    task: Task
-    hardware: Hardware
+    environment: Mapping[str, object]
     state: Any
-    names: tuple[str, ...]
     terms: NDArray[np.float64]
     account: NDArray[np.float64]
     drives: NDArray[np.float64]
@@ -136,8 +132,13 @@ class Episodes:
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Hold actions for one control period; `attempt` that raises the first failure as a SimulationError."""
-        raise_first(self.attempt(lanes, actions))
+        """Hold actions for one control period, as `attempt`.
+
+        Raises:
+            SimulationError: the first failure.
+            ValueError: as `checked_actions`.
+        """
+        raise_first(self.attempt(lanes, checked_actions(actions, self._periods.actions.shape)))
 
     def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
         """Hold actions for one control period.
@@ -183,8 +184,14 @@ class Episodes:
         account, terms, drives = (
             values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.drives)
         )
-        of_lane = self.lanes[lane].task, self.lanes[lane].devices, state, self.settings.terms.names
-        return SavedEpisode(self.parameters[lane], *of_lane, terms, account, drives, sensors)
+        return SavedEpisode(self.parameters[lane], self._environment(lane), state, terms, account, drives, sensors)
+
+    def _environment(self, lane: int) -> dict[str, object]:
+        """What an episode of a lane depends on beside its parameters, by name."""
+        of_lane = self.lanes[lane]
+        loads = {name: self._numbers.motors[lane][name].tolist() for name in ("load", "load_slope")}
+        known = {"model": str(of_lane.level), "observation": of_lane.observation_names, "reward": of_lane.terms.prices}
+        return {**known, **vars(of_lane.task), **vars(of_lane.devices), **loads}
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
@@ -195,19 +202,12 @@ class Episodes:
         """
         if not isinstance(saved, SavedEpisode):
             raise ValueError(f"{str(saved)[:100]} is no saved episode; give what save() returned")
-        if saved.names != self.settings.terms.names:
-            raise ValueError(
-                f"the saved episode was charged for {', '.join(saved.names)}, this one for "
-                f"{', '.join(self.settings.terms.names)}: go on with it where the same terms are charged"
-            )
-        for saved_part, part in ((saved.task, self.lanes[lane].task), (saved.hardware, self.lanes[lane].devices)):
-            for name, value in vars(part).items():
-                if (other := getattr(saved_part, name)) != value:
-                    raise ValueError(
-                        f"the saved episode had {name} = {other!r}, this environment has {value!r}: go on with it in "
-                        "an equal one"
-                    )
-        self._sensors.check(saved.sensors)
+        for name, value in self._environment(lane).items():
+            if (other := saved.environment[name]) != value:
+                raise ValueError(
+                    f"the saved episode had {name} = {other!r}, this environment has {value!r}: go on with it in an "
+                    "equal one"
+                )
         self.batch.replace(lane, self._simulation(saved))
         self._recall(lane, saved)
         self._films[lane] = Film(self.lanes[lane])

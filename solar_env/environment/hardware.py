@@ -13,7 +13,7 @@ from solar_env.support.values import is_whole_number
 _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "must be a finite number, not negative")
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
 _ANGLE, _RATE = Usual(0.0, 0.3, "rad", "degrees"), Usual(0.0, 1.0, "rad/s", "degrees per second")
-_LAG = Usual(1e-6, 60.0, "s", "ms")
+_LAG = Usual(1e-6, 10.0, "s", "ms")
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Hardware:
     motor_lag: float = number(0.0, _NOT_NEGATIVE, _LAG)
     torque_rate_limit: float = number(math.inf, Rule(math.ulp(0.0), math.inf, "must be a positive number"))
     attitude_noise: float = number(0.0, _NOT_NEGATIVE, _ANGLE)
-    rate_loop_gain: float = number(12.0, _POSITIVE, Usual(1e-4, 1e5, "N m s/rad", "N mm s/rad"))
+    rate_loop_gain: float = number(12.0, _POSITIVE, Usual(1e-4, 5e3, "N m s/rad", "N mm s/rad"))
     rate_loop_frequency: float = number(100.0, _POSITIVE, Usual(1e-2, 1e5, "Hz", "kHz"))
     rate_loop_lag: float = number(0.1, _NOT_NEGATIVE, _LAG)
     setpoint_rate_limit: float = number(math.inf, Rule(math.ulp(0.0), math.inf, "must be a positive number"))

@@ -158,6 +158,11 @@ class EnvironmentSettings:
             # The maker of a drive that is to hold the springs' load chooses the motor by it.
             load, _ = spring_load(self.array, task.driven_joint)
             usual_load, _ = spring_load(ArrayParameters(), 0)
+            if load <= 0.0:
+                raise ValueError(
+                    f"the springs exert {load:.3g} N m on joint {task.driven_joint + 1}, folded, and do not open it: "
+                    "give torque_limit, which otherwise follows from their load"
+                )
             task = replace(task, torque_limit=task.torque_limit * load / usual_load)
         task.samples(self.devices)  # refuses a loop whose samples do not fit into a control period
         return task

@@ -45,13 +45,17 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes with the seeds set before, which are used once, or those of every reset."""
+        """Begin new episodes with the seeds and options set before, used once, or with the seeds of every reset."""
         if self._first_seed is not None:
             self.seed(self._first_seed)
         seeds: Any = self._seeds
-        observations, infos = self._with_lists.reset(seed=seeds)
+        for given in self._options:
+            self.env.unwrapped.episodes.settings.check_options(given, "parameters")
+        changes = [given.get("parameters", {}) for given in self._options]
+        observations, infos = self._with_lists.reset(seed=seeds, options={"parameters": changes})
         self.reset_infos = list(infos)
         self._reset_seeds()
+        self._reset_options()
         return observations
 
     def step_async(self, actions: np.ndarray) -> None:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import pytest
 from pairs import pairwise
 
+from agents.commands import tune
+from agents.configs import CONFIGS
+from agents.laws import baselines
 from solar_env.__main__ import main
 from solar_env.array.methods import INTEGRATOR_NAMES
 
@@ -48,9 +54,48 @@ COMMANDS = {
         },
     ),
 }
+# These need seconds for each case.
+SLOW_COMMANDS = {
+    "loads": (
+        ["one.toml", "--quiet", "--runs", "2", "--window", "0.1"],
+        {
+            "--model": ("rigid-ideal", "rigid-clearance", "flexible-clearance:2 modes", "flexible-ideal:1 elements"),
+            "--deadline": ("5.0", "30.0"),
+            "--html": ("page.html",),
+            "--hub": ("hub.csv",),
+            "--out": ("folder",),
+            "--jobs": ("1", "2"),
+        },
+    ),
+    "train": (
+        ["--quiet", "--jobs", "1", "--timesteps", "64", "--eval-episodes", "1"],
+        {
+            "--algo": ("ppo", "sac", "cma-es"),
+            "--model": ("rigid-ideal",),
+            "--env-kwargs": (ARRAY, "driven_joint=1", "observation=history", "action=torque"),
+            "--env-id": ("solar_env/DeployRandomised-v2", "solar_env/Deploy-v1"),
+            "--hyperparams": ("learning_rate=1e-3", "n_steps=32"),
+            "--n-envs": ("2",),
+            "--seed": ("3",),
+            "--out": ("folder",),
+        },
+    ),
+    "tune": (
+        ["--quiet", "--jobs", "1", "--episodes", "8", "--episodes-per-candidate", "1", "--validation-episodes", "1"],
+        {
+            "--controller": ("pd", "damper"),
+            "--model": ("rigid-ideal",),
+            "--env-kwargs": (ARRAY, "driven_joint=1", "observation=history", "action=log_rate"),
+            "--env-id": ("solar_env/DeployRandomised-v2", "solar_env/Deploy-v1"),
+            "--refine": ("solar_env/Deploy-v2",),
+            "--seed": ("3",),
+        },
+    ),
+}
 CASES = [
-    [command, *always, *(word for option in row.items() for word in option)]
-    for command, (always, options) in COMMANDS.items()
+    pytest.param([command, *always, *(word for option in row.items() for word in option)], marks=marks)
+    for commands, marks in ((COMMANDS, ()), (SLOW_COMMANDS, pytest.mark.slow))
+    for command, (always, options) in commands.items()
     for row in pairwise(options)
 ]
 
@@ -59,6 +104,10 @@ CASES = [
 @pytest.mark.parametrize("words", CASES, ids=" ".join)
 def test_two_options_go_together_or_are_refused_by_their_names(words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
+    Path("one.toml").write_text("panel_count = 1\n", encoding="utf-8")
+    configs = shutil.copytree(CONFIGS, tmp_path / "configs")
+    for module in (baselines, tune):
+        monkeypatch.setattr(module, "CONFIGS", configs)
     status, printed = main(words), capsys.readouterr()
     if status == 2:
         errors = [line for line in printed.err.splitlines() if line.startswith("error: ")]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import solar_env
+from solar_env.array.parameters import checks
 from solar_env.array.parameters.checks import UnitWarning
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
@@ -79,11 +80,14 @@ def test_numbers_of_numpy_are_taken_as_pythons():
     ("keywords", "told"),
     [
         ({"torque_limit": 1000.0}, r"torque_limit = 1000 N m is .* not in N mm"),
-        ({"deadline": 2e5}, r"deadline = 200000 s is .* not in ms"),
+        ({"deadline": 20000.0, "settling_window": 10.0}, r"deadline = 20000 s is .* not in ms"),
+        ({"control_period": 500.0, "deadline": 1e3, "settling_window": 1e3}, r"control_period = 500 s is .* not in ms"),
+        ({"hardware": {"rate_loop_gain": 25000.0}}, r"rate_loop_gain = 25000 N m s/rad is .* not in N mm s/rad"),
         ({"hardware": {"angle_noise": 1.7}}, r"angle_noise = 1\.7 rad is .* not in degrees"),
-        ({"hardware": {"motor_lag": 100.0}}, r"motor_lag = 100 s is .* not in ms"),
+        ({"hardware": {"motor_lag": 50.0}}, r"motor_lag = 50 s is .* not in ms"),
     ],
 )
-def test_a_value_of_task_or_hardware_that_is_probably_in_another_unit_is_told(keywords, told):
+def test_a_value_of_task_or_hardware_that_is_probably_in_another_unit_is_told(keywords, told, monkeypatch):
+    monkeypatch.setattr(checks, "_told", set())
     with pytest.warns(UnitWarning, match=told):
         EnvironmentSettings(**keywords)

@@ -77,6 +77,23 @@ def test_attributes_and_methods_are_by_lane():
         native.get_attr("unheard_of")
 
 
+def test_options_of_the_next_reset_are_those_of_the_environments():
+    vectors = both()
+    some = {"parameters": {"clearance": 3.5e-4}}
+    for options in ([some, {}, {}], some, {}):
+        for vector in vectors:
+            vector.seed(0)
+            vector.set_options(options)
+            vector.reset()
+        drawn, same = ([each.clearance for each in vector.get_attr("episode_parameters")] for vector in vectors)
+        assert drawn == same
+        assert drawn.count(3.5e-4) == (1 if isinstance(options, list) else 3 * len(options))
+    native, _ = vectors
+    native.set_options([{}, {"parameter": {}}, {}])
+    with pytest.raises(ValueError, match="reset option 'parameter' is unknown"):
+        native.reset()
+
+
 def test_fixed_seeds_begin_the_same_episodes_at_every_reset():
     venv = NativeVecEnv(LANES, env_kwargs=KEYWORDS, first_seed=40)
     designs = []

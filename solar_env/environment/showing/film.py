@@ -29,11 +29,18 @@ class Film:
 
     def add(self, state: Any) -> None:
         """Take the peaks of the period that has ended."""
+        self._forget(np.nextafter(state.clock["time"][0], 0.0))
         self._peaks.append(state.joints["recent_peak_force"].copy())
         self._times.append(float(state.clock["time"][0]))
 
+    def _forget(self, time: float) -> None:
+        """Forget what lies after a time [s] to which a state was restored."""
+        while self._times[-1] > time:
+            del self._times[-1], self._peaks[-1]
+
     def draw(self, simulation: Simulation, parameters: ArrayParameters) -> NDArray[np.uint8]:
         """The frame of the present state; (540, 960, 3) uint8."""
+        self._forget(simulation.time)
         if self._renderer is None:
             task, folded = self._settings.task, self._settings.simulation(parameters)
             self._renderer = Renderer(self._scene(folded, parameters), task.deadline + task.settling_window)

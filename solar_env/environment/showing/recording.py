@@ -35,23 +35,33 @@ class RecordTrajectory(gymnasium.Wrapper):
     def reset(self, *, seed: int | None = None, options: dict[str, object] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its record."""
         result = super().reset(seed=seed, options=options)
+        self._begin()
+        return result
+
+    def _begin(self) -> None:
         env: Any = self.unwrapped
         task = env.task
         longest = task.deadline * (1.0 + task.overtime) + task.settling_window + task.control_period
         times = np.arange(math.ceil(longest / self._step)) * self._step
         env._episodes.batch.record(make_recorder(env.simulation.model, env.simulation.state, times, _CONTACTS))
         self._moments = [(self._digest(), [0, 0])]
-        return result
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Take a step, and record it."""
-        if self._moments:
-            self._forget()
+        """Take a step, and record it in the place of what came after the present state."""
+        if not self._moments:
+            return super().step(action)
+        env: Any = self.unwrapped
+        known, filled, time = self._known(), self._recorder.filled.copy(), env.simulation.time
+        self._recorder.filled[:] = self._moments[known - 1][1]
         try:
             return super().step(action)
         finally:  # a simulation that cannot go on has come to a state, too
-            if self._moments:
-                self._moments.append((self._digest(), self._recorder.filled.tolist()))
+            if env.simulation.time < time:  # a wrapper beneath has begun an episode
+                self._begin()
+            elif env.simulation.time == time:  # the step was refused
+                self._recorder.filled[:] = filled
+            else:
+                self._moments[known:] = [(self._digest(), self._recorder.filled.tolist())]
 
     @property
     def _recorder(self) -> Any:
@@ -63,23 +73,21 @@ class RecordTrajectory(gymnasium.Wrapper):
         state = env.simulation.state
         return hashlib.sha256(state.clock["time"].tobytes() + state.q.tobytes() + state.v.tobytes()).digest()
 
-    def _forget(self) -> None:
-        """Forget what was recorded after the present state."""
+    def _known(self) -> int:
+        """Number of the moments recorded up to the present state."""
         digests = [digest for digest, _ in self._moments]
         if (present := self._digest()) not in digests:
             raise RuntimeError("the present state was restored and nothing recorded has led to it: call reset()")
-        del self._moments[digests.index(present) + 1 :]
-        self._recorder.filled[:] = self._moments[-1][1]
+        return digests.index(present) + 1
 
     @property
     def trajectory(self) -> Trajectory:
         """The episode so far."""
         if len(self._moments) < 2:
             raise gymnasium.error.ResetNeeded("there is nothing recorded yet: call reset() and step()")
-        self._forget()
         env: Any = self.unwrapped
         simulation, recorder = env.simulation, self._recorder
-        samples, contacts = recorder.filled.tolist()
+        samples, contacts = self._moments[self._known() - 1][1]
         present = make_recorder(simulation.model, simulation.state, np.array([simulation.time]), 0)
         simulation.advance(simulation.time, present)
         samples -= samples > 0 and recorder.times[samples - 1] == simulation.time

@@ -21,6 +21,8 @@ from solar_env.mechanics.numerics.by_address import call_at
 from solar_env.mechanics.numerics.handles import arrays_of
 from solar_env.mechanics.numerics.jit import kernel
 
+_SAME = 1e-6  # of a period: less is the rounding of the time
+
 
 class Periods(NamedTuple):
     """The present control periods of all lanes."""
@@ -72,9 +74,9 @@ def begin_period(state, task, periods, lane):
     """
     for j in range(state.joints.size):
         state.joints[j].recent_peak_force = 0.0
-    end = (round(state.clock[0].time / task.control_period) + 1) * task.control_period
+    end = (math.floor(state.clock[0].time / task.control_period + _SAME) + 1) * task.control_period
     last = end_of_episode(state, task)
-    periods.end_times[lane] = last if last < end + 1e-6 * task.control_period else end
+    periods.end_times[lane] = last if last < end + _SAME * task.control_period else end
     periods.samples[lane] = 0
 
 
@@ -86,8 +88,9 @@ def begin_sample(model, state, task, periods, lane):
         motor, action = task.motors[k], min(max(periods.actions[lane, k], -1.0), 1.0)
         memory, error = periods.drives[lane, k], periods.rate_errors[lane, sample, k]
         set_torque(state, motor, asked_torque(model, state, task, motor, memory, action, error, settling))
-    end, last = (round(state.clock[0].time / task.sample_period) + 1) * task.sample_period, periods.end_times[lane]
-    periods.sample_ends[lane] = end if end < last - 1e-6 * task.sample_period else last
+    samples, last = math.floor(state.clock[0].time / task.sample_period + _SAME) + 1, periods.end_times[lane]
+    end = samples * task.sample_period
+    periods.sample_ends[lane] = end if end < last - _SAME * task.sample_period else last
 
 
 @kernel

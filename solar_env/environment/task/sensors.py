@@ -101,16 +101,6 @@ class Sensors:
         exact, observed, pipeline, past = (values[lane].copy() for values in self._arrays)
         return Memory(exact, observed, pipeline, past, deepcopy(self._generators[lane]))
 
-    def check(self, memory: Memory) -> None:
-        """Refuse a memory that is not one of sensors like these, by a ValueError."""
-        names = ("exact entries", "observed entries", "delayed measurements", "past measurements")
-        for name, mine, theirs in zip(names, self._arrays, memory[:4], strict=True):
-            if mine.shape[1:] != theirs.shape:
-                raise ValueError(
-                    f"the saved episode has {name} of shape {theirs.shape}, these sensors {mine.shape[1:]}: go on "
-                    "with it where observation and hardware are the same"
-                )
-
     def recall(self, lane: int, memory: Memory) -> None:
         """Go on in a lane from what `memory` returned, as often as one likes."""
         for mine, theirs in zip(self._arrays, memory[:4], strict=True):

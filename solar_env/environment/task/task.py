@@ -15,7 +15,7 @@ ACTIONS = {"torque": 0, "log_rate": 1}
 TORQUE, LOG_RATE = ACTIONS.values()
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
 _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "must be a finite number, not negative")
-_TIME = Usual(1e-4, 1e5, "s", "ms")
+_TIME = Usual(1e-4, 5e3, "s", "ms")
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Task:
     """
 
     torque_limit: float = number(MISSING, _POSITIVE, Usual(1e-4, 200.0, "N m", "N mm"))
-    control_period: float = number(MISSING, _POSITIVE, _TIME)
+    control_period: float = number(MISSING, _POSITIVE, Usual(1e-4, 60.0, "s", "ms"))
     deadline: float = number(MISSING, _POSITIVE, _TIME)
     settling_window: float = number(MISSING, _POSITIVE, _TIME)
     overtime: float = number(0.0, _NOT_NEGATIVE)

@@ -111,7 +111,12 @@ class _Run:
             end = joints["latch_time"].max() + window if joints["latched"].all() else deadline
             if simulation.time >= end:
                 return
-            self._take(self._advance(min(simulation.time + _PIECE, end), 1), 1)
+            before = simulation.snapshot()
+            recorder = self._advance(min(simulation.time + _PIECE, end), 1)
+            if joints["latched"].all() and (end := joints["latch_time"].max() + window) < simulation.time:
+                simulation.restore(before)
+                recorder = self._advance(end, 1)
+            self._take(recorder, 1)
 
     def _advance(self, end: float, stride: int) -> Recorder:
         ticks = np.arange(self._tick, math.floor(end * RATE + 1e-6) + 1, stride)

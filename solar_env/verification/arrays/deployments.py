@@ -21,7 +21,7 @@ NO_LOADS = "no external force or moment acts"
 HINGE_SHIFT = "a hinge out of its place by c changes inertias, and the time, by the order of c / L"
 QUASI_STATIC = "quasi-static deflection under the inertia forces is proportional to 1 / E"
 # A cable that hardly stretches and never slackens.
-STIFF_CABLE: dict[str, Any] = {"cable_stiffness": 1e5, "cable_preload_force": 1e9}
+STIFF_CABLE: dict[str, Any] = {"cable_stiffness": 5e3, "cable_preload_force": 1e4}
 COUPLE: dict[str, Any] = {"cable_torque_ratio": 1.0}
 # name, changes to the parameters
 REDUCTIONS: tuple[tuple[str, dict[str, Any]], ...] = (

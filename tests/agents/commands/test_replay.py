@@ -120,7 +120,7 @@ def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
 def test_a_film_shows_all_controllers_in_their_time(suffix, tmp_path):
     encoder = pytest.importorskip("imageio_ffmpeg")
     path, (width, speed) = tmp_path / f"film{suffix}", replay.FILMS[suffix]
-    short = [*RIGID, "--env-kwargs", "deadline=0.9", "settling_window=0.3", "control_period=0.3"]
+    short = [*RIGID, "--env-kwargs", "deadline=0.9", "settling_window=0.3"]
     assert main(["replay", "--controllers", "passive", "damper", *short, "--out", str(path)]) == 0
     frames = 1 + round(1.8 / (speed / films.FRAMES_PER_SECOND))
     if suffix == ".mp4":

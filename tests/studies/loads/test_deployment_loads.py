@@ -48,6 +48,13 @@ def test_a_run_ends_where_it_should_and_totals_are_those_of_simulate(fast):
     assert (fast.hinge_spectrum > 0.0).all()
 
 
+@pytest.mark.parametrize("window", [0.01, 0.1])
+def test_a_window_shorter_than_what_is_simulated_between_two_looks_is_kept_to(window):
+    trajectory = deploy(RIGID, FAST_PARAMETERS, 1, window, 60.0).trajectory
+    end = float(trajectory.latch_times.max()) + window
+    assert end - 1e-3 <= trajectory.time[-1] <= end
+
+
 def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_than_their_means(fast):
     # Means over 50 us are a little below the first joint's peak; friction of 0.15 adds to the normal force.
     assert 0.7 < fast.hub_peaks[0] / fast.trajectory.peak_force[0] < math.hypot(1.0, 0.15)

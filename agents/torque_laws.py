@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 
@@ -38,6 +38,7 @@ class Signals:
         settling_window: Unit of the observed time since the last latch [s].
         driven_joint: Index of the joint that the motor works on; 0 is the root hinge.
         action: What an action is, see `solar_env.environment.task.task.Task`.
+        lock_angles: Angle at which each joint latches [rad].
     """
 
     names: tuple[str, ...]
@@ -47,13 +48,24 @@ class Signals:
     settling_window: float = 10.0
     driven_joint: int = 0
     action: str = "torque"
+    lock_angles: tuple[float, ...] = (math.pi / 2, math.pi)
 
     @classmethod
     def of(cls, env: gymnasium.Env | EnvironmentSettings) -> Self:
         """Return the signals of an environment of this project, or of its settings."""
         unwrapped: Any = env.unwrapped if isinstance(env, gymnasium.Env) else env
-        _, *of_task = (item.name for item in fields(cls))
-        return cls(tuple(unwrapped.observation_names), **{name: getattr(unwrapped.task, name) for name in of_task})
+        _, *of_task, _ = (item.name for item in fields(cls))
+        array = unwrapped.parameters if isinstance(env, gymnasium.Env) else unwrapped.array
+        return cls(
+            tuple(unwrapped.observation_names),
+            **{name: getattr(unwrapped.task, name) for name in of_task},
+            lock_angles=tuple(joint.lock_angle for joint in array.joints),
+        )
+
+    @property
+    def driven_lock_angle(self) -> float:
+        """Lock angle of the joint that the motor works on [rad]."""
+        return self.lock_angles[self.driven_joint]
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
         """Refuse an environment whose observations or actions have another meaning than these, of `learned_on`.
@@ -189,22 +201,17 @@ class TunableLaw(TorqueLaw, Generic[P]):
         self.parameters = self.defaults if parameters is None else parameters
 
 
-LOCK_ANGLES = (math.pi / 2, math.pi)
-"""Lock angles of joint 1, and of those further out [rad]."""
 OPENING = ("theta_1", "theta_2", "rate_1", "rate_2")
 """Entries that the opening is made of."""
 
 
-def lock_angle(joint: int) -> float:
-    """Return the lock angle [rad] of a joint, counted from 0."""
-    return LOCK_ANGLES[min(joint, 1)]
-
-
-def weighted_opening(entries: Entries, joint_2_weight: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def weighted_opening(
+    entries: Entries, joint_2_weight: float, lock_angles: Sequence[float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the weighted opening of both joints in units of their lock angles, its rate and the difference of rates.
 
     The rates, the second that of joint 1 minus that of joint 2, are in 1/s; all are (n,). Joint 1 has the other weight.
     """
-    rate_1, rate_2 = (entries[f"rate_{i + 1}"] / LOCK_ANGLES[i] for i in range(2))
+    rate_1, rate_2 = (entries[f"rate_{i + 1}"] / lock_angles[i] for i in range(2))
     opening = entries["theta_1"] + joint_2_weight * (entries["theta_2"] - entries["theta_1"])
     return opening, rate_1 + joint_2_weight * (rate_2 - rate_1), rate_1 - rate_2

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.torque_laws import Entries, LawParameters, TorqueLaw, TunableLaw, bounded, lock_angle
+from agents.torque_laws import Entries, LawParameters, TorqueLaw, TunableLaw, bounded
 
 
 class Passive(TorqueLaw):
@@ -64,7 +64,7 @@ class ProportionalDerivative(TunableLaw[ProportionalDerivativeParameters]):
 
     def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
-        short = lock_angle(self._signals.driven_joint) * (1.0 - entries["theta_driven"])
+        short = self._signals.driven_lock_angle * (1.0 - entries["theta_driven"])
         return np.clip(
             p.proportional_gain * short - p.derivative_gain * entries["rate_driven"], -p.saturation, p.saturation
         )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.torque_laws import OPENING, Entries, LawParameters, TunableLaw, bounded, lock_angle, weighted_opening
+from agents.torque_laws import OPENING, Entries, LawParameters, TunableLaw, bounded, weighted_opening
 
 RESERVE = 0.5  # time before the deadline by which the profile ends [s]
 LEAST_TIME = 0.1  # shortest time in which the profile covers the rest of the opening [s]
@@ -69,10 +69,10 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
 
     def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
-        opening, rate, difference = weighted_opening(entries, p.joint_2_weight)
+        opening, rate, difference = weighted_opening(entries, p.joint_2_weight, self._signals.lock_angles)
         time_left = self._signals.deadline * entries["time_to_deadline"]
         deploying = p.gain * (self.reference_rate(opening, time_left) - rate) - p.difference_damping * difference
-        off_lock = lock_angle(self._signals.driven_joint) * (entries["theta_driven"] - 1.0)
+        off_lock = self._signals.driven_lock_angle * (entries["theta_driven"] - 1.0)
         holding = -p.settling_damping * entries["rate_driven"] - p.settling_stiffness * off_lock
         now = self._signals.torque_limit * entries["motor_torque"]
         return p.smoothing * now + (1.0 - p.smoothing) * np.where(all_latched, holding, deploying)

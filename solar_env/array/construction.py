@@ -31,20 +31,20 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
     level, p = ModelLevel.of(model), parameters
     bodies, joints, cables = [_main_body(p)], [], []
     hinge = (p.hinge_x, p.hinge_y)
-    velocity, spin = _turning(p.initial_spin, hinge), p.initial_spin
+    velocity, spin, angle = _turning(p.initial_spin, hinge), p.initial_spin, 0.0
     for row in p.joints:
-        angle = -row.sign * math.pi / 2
+        angle -= row.sign * row.fold_angle
+        length = p.by_joint("panel_length", row.index)
         spin += row.sign * p.by_joint("initial_rate", row.index)
         motion = {"position": hinge, "angle": angle, "velocity": velocity, "spin": spin}
-        bodies.append(level.body(p, f"panel {row.index + 1}", motion))
+        bodies.append(level.body(p.panel(row.index), f"panel {row.index + 1}", motion))
         joints.append(_joint(p, level, row, bodies))
         if row.inboard != MAIN_BODY:
             cables.append(_cable(p, p.joints[row.index - 1], row))
-        # Folded, a panel lies along the y axis.
-        folded = (0.0, p.panel_length * math.sin(angle))
+        folded = (length * round(math.cos(angle), 15), length * math.sin(angle))
         turning = _turning(spin, folded)
-        hinge = (hinge[0], hinge[1] + folded[1])
-        velocity = (velocity[0] + turning[0], velocity[1])
+        hinge = (hinge[0] + folded[0], hinge[1] + folded[1])
+        velocity = (velocity[0] + turning[0], velocity[1] + turning[1])
     return Mechanism(tuple(bodies), tuple(joints), tuple(cables), wear_bins=p.wear_bins)
 
 
@@ -64,21 +64,29 @@ def _main_body(p: ArrayParameters) -> AnyBody:
 
 
 def _joint(p: ArrayParameters, level: ModelLevel, row: JointRow, bodies: Sequence[AnyBody]) -> Joint:
-    root, k = row.inboard == MAIN_BODY, row.index
+    root, k, after = row.inboard == MAIN_BODY, row.index, int(p.by_joint("release_after", row.index))
     return Joint(
         name=row.name,
         inboard=bodies[row.inboard].name,
         outboard=bodies[row.panel].name,
-        inboard_point=(p.hinge_x if root else p.panel_length, 0.0),
+        inboard_point=(p.hinge_x if root else p.by_joint("panel_length", k - 1), 0.0),
         outboard_point=(0.0, 0.0),
         sign=row.sign,
-        folded_angle=-row.sign * (math.pi / 2 if root else math.pi),
+        folded_angle=-row.sign * row.fold_angle,
         middle=row.lock_angle / 2,
         bearing=p.bearing(k) if level.clearance else None,
         spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
         stop=p.stop(k),
         lock_angle=row.lock_angle,
         stow_angle=0.0,
+        latches=p.by_joint("latching", k) == 1.0,
+        release_time=p.by_joint("release_time", k) if after or p.by_joint("release_time", k) else None,
+        release_after=p.joints[after - 1].name if after else None,
+        spring_table=p.table("spring_torque", k),
+        harness=p.table("harness_torque", k),
+        damping=p.by_joint("hinge_damping", k),
+        friction_torque=p.by_joint("hinge_friction_torque", k),
+        friction_ramp_rate=p.by_joint("hinge_friction_rate", k),
     )
 
 

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, Self
 
-from solar_env.array.parameters import ArrayParameters
+from solar_env.array.parameters.rows import PanelRow
 from solar_env.mechanics.bodies.description import AnyBody, Body, FlexibleBody, ModalPanel
 from solar_env.support.values import unknown_name
 
@@ -41,7 +41,7 @@ class ModelLevel:
     def __post_init__(self) -> None:
         if not self.flexible and (self.unit or self.count):
             raise ValueError(f"model '{self.name}' has rigid panels, which take no count: leave out '{self.size}'")
-        self.body(ArrayParameters(), "panel", {})
+        self.body(PanelRow(1.0, 0.1, 1.0, 1.0, 1.0, 0.0), "panel", {})
 
     @classmethod
     def of(cls, word: str | Self) -> Self:
@@ -89,15 +89,11 @@ class ModelLevel:
         """The shortest word of the level."""
         return self.name if self.size in (RIGID, f"{DEFAULT_MODES} {MODES}") else f"{self.name}:{self.size}"
 
-    def body(self, p: ArrayParameters, name: str, motion: dict[str, Any]) -> AnyBody:
+    def body(self, panel: PanelRow, name: str, motion: dict[str, Any]) -> AnyBody:
         """A panel with its motion at t = 0, keywords of the body's description."""
-        section, length = p.panel_width * p.panel_thickness, p.panel_length
-        axial, bending = p.panel_young * section, p.panel_young * section * p.panel_thickness**2 / 12.0
-        density = p.panel_density * section
-        mass = density * length
         if not self.flexible:
-            inertia = mass * (length**2 + p.panel_thickness**2) / 12.0
-            return Body(name, mass, inertia, length, (length / 2, 0.0), **motion)
+            return Body(name, panel.mass, panel.inertia, panel.length, (panel.length / 2, 0.0), **motion)
+        elastic = panel.axial_stiffness, panel.bending_stiffness, panel.damping
         if self.modal:
-            return ModalPanel(name, length, mass, axial, bending, p.panel_damping, modes=self.count, **motion)
-        return FlexibleBody(name, length, self.count, density, axial, bending, p.panel_damping, **motion)
+            return ModalPanel(name, panel.length, panel.mass, *elastic, modes=self.count, **motion)
+        return FlexibleBody(name, panel.length, self.count, panel.linear_density, *elastic, **motion)

@@ -9,7 +9,7 @@ from solar_env.verification.arrays import deployments, impacts
 from solar_env.verification.beams import dynamics, statics
 from solar_env.verification.checks import Check
 from solar_env.verification.impacts import impact, sliding, stops
-from solar_env.verification.linkages import four_bar, pendulum
+from solar_env.verification.linkages import four_bar, hinges, pendulum
 from solar_env.verification.panels import method, motion, struck
 
 CASES: dict[str, Callable[[], Iterator[Check]]] = {
@@ -19,6 +19,7 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "wear": sliding.archard_wear,
     "pendulum": pendulum.pendulum_motion,
     "integration-order": pendulum.generalized_alpha_order,
+    "hinge-elements": hinges.hinge_elements,
     "four-bar": four_bar.four_bar_cycle,
     "four-bar-clearance": four_bar.four_bar_clearance,
     "slack-cable": stops.slack_cable,

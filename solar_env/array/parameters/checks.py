@@ -10,6 +10,7 @@ from dataclasses import Field, field, fields
 from functools import partial
 from typing import Any, NamedTuple
 
+from solar_env.mechanics.numerics.checks import check_table
 from solar_env.mechanics.running.diagnosis import SimulationWarning, restitution_text, warn
 from solar_env.support.values import is_number
 
@@ -38,7 +39,8 @@ class Usual(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A parameter's properties beside its default; `among` are the texts that it may be.
+    """A parameter's properties beside its default; `among` are the texts that it may be; a `table` is of
+    torques over angles.
 
     A quantity by joint may differ from joint to joint; one drawn by joint does where one range is drawn from.
     """
@@ -49,6 +51,7 @@ class Row(NamedTuple):
     drawn_by_joint: bool = False
     optional: bool = False
     among: tuple[str, ...] = ()
+    table: bool = False
 
 
 # Bodies and joints are made of products of several parameters, which are to stay within the range of the numbers of a
@@ -59,6 +62,8 @@ NOT_NEGATIVE = Rule(0.0, 1e20, "must not be negative")
 AT_LEAST_ONE = Rule(1.0, 1e20, "must be at least 1")
 OPENING_TO_X = Rule(0.0, 1e20, "must not be negative: the panels open towards +x")
 TURN = Rule(-2.0 * math.pi, 2.0 * math.pi, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
+FOLD = Rule(0.1, 1.9 * math.pi, "must lie between 0.1 and 1.9 pi: it is in radians, not in degrees")
+SWITCH = Rule(0.0, 1.0, "must be 1, or 0 for none")
 PLAY = Rule(0.0, 2.0 * math.pi, "must lie between 0 and 2 pi: it is in radians, not in degrees")
 GAP = Rule(math.ulp(0.0), 1e20, "must be positive; for no clearance choose an ideal model")
 SHARE = Rule(math.ulp(0.0), 1.0, "must lie in (0, 1]")
@@ -66,6 +71,7 @@ POISSON = Rule(math.nextafter(-1.0, 0.0), 0.5, "must lie in (-1, 0.5]")
 LENGTH, PLACE = Usual(0.005, 50.0, "m", "mm"), Usual(0.0, 50.0, "m", "mm")
 PANEL_MODULUS, MODULUS = (Usual(least, 5e12, "Pa", "MPa or GPa") for least in (1e5, 1e6))
 SPRING, CABLE, LATCH = (Usual(1e-6, greatest, "N m/rad", "N mm/rad") for greatest in (50.0, 5e3, 3e5))
+BENDING = Usual(1e-6, 1e9, "N m2", "N mm2")
 HERTZIAN = Usual(1e7, 1e14, "N/m^1.5", "N/mm^1.5")
 PLAY_ANGLE = Usual(0.0, 0.3, "rad", "degrees")
 SPEED = Usual(1e-9, 0.09, "m/s", "mm/s")
@@ -79,7 +85,7 @@ def number(default: object, rule: Rule = ANY, usual: Usual | None = None, **mark
     return field(default=default, metadata={"row": Row(rule, usual, **marks)})
 
 
-per_joint = partial(number, by_joint=True)
+per_joint, tabulated = partial(number, by_joint=True), partial(number, table=True)
 
 
 def row_of(item: Field[Any]) -> Row:
@@ -118,6 +124,9 @@ def check_parameters(p: ArrayParameters) -> None:
     _require(p, "clearance", radius + min(clearances) > radius, rule)
     _require(p, "initial_spin", p.initial_spin == 0.0 or not p.body_fixed, "needs a body that is not fixed")
     _check_bodies(p)
+    for name, allowed in (("latching", (0.0, 1.0)), ("release_after", range(len(p.joints) + 1))):
+        rule = f"must be one of {', '.join(f'{value:g}' for value in allowed)}"
+        _require(p, name, set(p.for_each_joint(name)) <= set(allowed), rule)
     below = all(
         z < f for z, f in zip(*map(p.for_each_joint, ("friction_speed_zero", "friction_speed_full")), strict=True)
     )
@@ -155,6 +164,9 @@ def _check_value(p: ArrayParameters, name: str, default: object, row: Row) -> No
         return
     if value is None and row.optional:
         return
+    if row.table:
+        _check_tables(p, name)
+        return
     entries = p.entries(name)
     _require(p, name, row.by_joint or not isinstance(value, tuple), "must be a single number")
     _require(p, name, len(entries) > 0, "must not be empty")
@@ -162,9 +174,22 @@ def _check_value(p: ArrayParameters, name: str, default: object, row: Row) -> No
         _require(p, name, is_number(entry) and -math.inf < entry < math.inf, "must be a finite number")
         for rule in (ANY, row.rule):
             _require(p, name, rule.least <= entry <= rule.greatest, rule.text)
-    _require(p, name, isinstance(value, int) or not isinstance(default, int), "must be a whole number")
-    few = value == default or len(entries) <= len(p.joints)
-    _require(p, name, few, f"has more entries than joints ({len(p.joints)})")
+    whole = all(isinstance(entry, int) for entry in entries)
+    _require(p, name, whole or not isinstance(default, int), "must be a whole number")
+    few = value == default or len(entries) <= p.panel_count
+    _require(p, name, few, f"has more entries than joints ({p.panel_count})")
+
+
+def _check_tables(p: ArrayParameters, name: str) -> None:
+    rule = "must be a list of pairs (angle [rad], torque [N m]), or one such list by joint"
+    for joint in p.joints:
+        _require(p, name, isinstance(getattr(p, name), tuple), rule)
+        table = p.table(name, joint.index)
+        pairs = isinstance(table, tuple) and all(isinstance(pair, tuple) and len(pair) == 2 for pair in table)
+        _require(p, name, pairs and all(is_number(number) for pair in table for number in pair), rule)
+        check_table(name, table)
+        reached = not table or (table[0][0] <= 0.0 and table[-1][0] >= joint.lock_angle) or len(table) == 1
+        _require(p, name, reached, f"must reach from 0 to the lock angle of {joint.name}, {joint.lock_angle:.6g} rad")
 
 
 def _check_bodies(p: ArrayParameters) -> None:
@@ -180,9 +205,11 @@ def _check_bodies(p: ArrayParameters) -> None:
             f"body_size = {p.body_size:g} m; give it in kg m2, not in kg mm2, or a larger body_size"
         )
         _tell_once("body_inertia", gyration / p.body_size, text)
-    gyration = math.hypot(p.panel_length, p.panel_thickness) / math.sqrt(12.0)
     rule = f"is out of proportion to panel_length = {p.panel_length!r}"
-    _require(p, "panel_thickness", _in_proportion(gyration / p.panel_length, 0.5, 0.0), rule)
+    for joint in p.joints:
+        length, thickness = p.by_joint("panel_length", joint.index), p.by_joint("panel_thickness", joint.index)
+        gyration = math.hypot(length, thickness) / math.sqrt(12.0)
+        _require(p, "panel_thickness", _in_proportion(gyration / length, 0.5, 0.0), rule)
 
 
 def _in_proportion(gyration: float, along: float, across: float) -> bool:

@@ -12,38 +12,19 @@ rest.
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 from solar_env.array.parameters import checks as c
-from solar_env.array.parameters.checks import number, per_joint
+from solar_env.array.parameters.checks import number, per_joint, tabulated
+from solar_env.array.parameters.rows import JointRow, PanelRow
 from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw, Surfaces, contact_law
-from solar_env.mechanics.mechanism import Bearing, Stop
-from solar_env.support.values import changed, check_name, plain
+from solar_env.mechanics.mechanism.description import Bearing, Stop, TorqueTable
+from solar_env.support.values import changed, check_name, is_number, plain
 
 PerJoint = float | tuple[float, ...]
+Tables = TorqueTable | tuple[TorqueTable, ...]
 MAIN_BODY = 0  # index among the bodies of the mechanism
-
-
-@dataclass(frozen=True)
-class JointRow:
-    """A joint, by its index from the root on, and the panel that it carries.
-
-    Attributes:
-        inboard, panel: indices, among the bodies of the mechanism, of what bears it and of the panel.
-        sign: 1 if the panel opens counter-clockwise, -1 if clockwise.
-        lock_angle: at which it latches, from the folded position [rad].
-    """
-
-    index: int
-    inboard: int
-    panel: int
-    sign: int
-    lock_angle: float
-
-    @property
-    def name(self) -> str:
-        """The joint as tables name it."""
-        return f"joint {self.index + 1}"
 
 
 @dataclass(frozen=True)
@@ -65,13 +46,30 @@ class ArrayParameters:
         hinge_x, hinge_y: root hinge from the main body's centroid [m], hinge_x not negative; mid-side (chosen: the
             paper does not say).
         body_size: side of the main body [m].
-        panel_length, panel_width, panel_thickness: of each panel [m].
-        panel_density: mass of the panels over their volume [kg/m3].
-        panel_young: modulus of elasticity E of the panels, used by flexible models [Pa].
+        panel_length, panel_width, panel_thickness: by panel [m].
+        panel_density: mass of the panels over their volume [kg/m3], by panel.
+        panel_area_mass: mass of the panels over their area [kg/m2], by panel; None computes it from the density.
+        panel_young: modulus of elasticity E of the panels, used by flexible models [Pa], by panel.
+        panel_bending_stiffness: E I of the panels [N m2], by panel; None computes it from E, width and thickness.
         panel_damping: retardation time of the panels' material [s]: stress = E (strain + panel_damping * strain rate)
             (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
+        folding: "accordion", whose hinges open in turns counter-clockwise and clockwise, or "wrap", whose hinges all
+            open counter-clockwise.
+        fold_angle: angle from the folded position to the one in line with what bears the panel, by joint [rad]; None:
+            a quarter turn at the root, half turns beyond.
+        lock_angle: joint angle at which a hinge latches, by joint [rad]; None takes the fold_angle.
+        latching: whether a hinge latches at its lock angle, by joint: 1, or 0 for a stop without a latch.
+        release_time: until when a hold-down holds the folded joint, by joint [s]; 0 for none.
+        release_after: number of the joint, from 1 at the root, whose latching the release_time is counted from, by
+            joint; 0 counts it from t = 0.
         spring_stiffness: of the torsion springs, by joint [N m/rad].
         spring_preload_angle: angle at which a spring is relaxed, by joint, at most a turn [rad].
+        spring_torque: table of a torque over the joint angle that acts beside the torsion spring: pairs (angle [rad],
+            torque [N m]), for all joints, or one table by joint; opening torques are positive.
+        harness_torque: table of the torque of a wire harness over the joint angle, likewise [N m].
+        hinge_damping: of a viscous or eddy-current damper in each hinge, by joint [N m s/rad].
+        hinge_friction_torque: of dry friction in each hinge, by joint [N m]; beside that of the journals.
+        hinge_friction_rate: joint rate about which the latter turns round [rad/s] (chosen: far below opening rates).
         cable_stiffness: of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen: keeps the
             joint angles at 1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio
@@ -129,14 +127,27 @@ class ArrayParameters:
     hinge_x: float = number(0.5, c.OPENING_TO_X, c.PLACE)
     hinge_y: float = number(0.0, usual=c.PLACE)
     body_size: float = number(1.0, c.POSITIVE, c.LENGTH)
-    panel_length: float = number(1.5, c.POSITIVE, c.LENGTH)
-    panel_width: float = number(1.0, c.POSITIVE, c.LENGTH)
-    panel_thickness: float = number(0.02, c.POSITIVE, c.Usual(1e-5, 0.5, "m", "mm"))
-    panel_density: float = number(200.0, c.POSITIVE, c.Usual(8.0, 3e4, "kg/m3", "kg/m2 or g/cm3"))
-    panel_young: float = number(280e6, c.POSITIVE, c.PANEL_MODULUS)
-    panel_damping: float = number(1e-5, c.NOT_NEGATIVE, c.Usual(0.0, 0.01, "s", "parts of the critical damping"))
+    panel_length: PerJoint = per_joint(1.5, c.POSITIVE, c.LENGTH)
+    panel_width: PerJoint = per_joint(1.0, c.POSITIVE, c.LENGTH)
+    panel_thickness: PerJoint = per_joint(0.02, c.POSITIVE, c.Usual(1e-5, 0.5, "m", "mm"))
+    panel_density: PerJoint = per_joint(200.0, c.POSITIVE, c.Usual(8.0, 3e4, "kg/m3", "kg/m2 or g/cm3"))
+    panel_area_mass: PerJoint | None = per_joint(None, c.POSITIVE, c.Usual(0.05, 500.0, "kg/m2", "g/m2"), optional=True)
+    panel_young: PerJoint = per_joint(280e6, c.POSITIVE, c.PANEL_MODULUS)
+    panel_bending_stiffness: PerJoint | None = per_joint(None, c.POSITIVE, c.BENDING, optional=True)
+    panel_damping: PerJoint = per_joint(1e-5, c.NOT_NEGATIVE, c.Usual(0.0, 0.01, "s", "parts of the critical damping"))
+    folding: str = number("accordion", among=("accordion", "wrap"))
+    fold_angle: PerJoint | None = per_joint(None, c.FOLD, optional=True)
+    lock_angle: PerJoint | None = per_joint(None, c.FOLD, optional=True)
+    latching: int | tuple[int, ...] = per_joint(1, c.SWITCH)
+    release_time: PerJoint = per_joint(0.0, c.NOT_NEGATIVE, c.Usual(1e-3, 1e5, "s", "ms"))
+    release_after: int | tuple[int, ...] = per_joint(0, c.NOT_NEGATIVE)
     spring_stiffness: PerJoint = per_joint((0.1, 0.075), c.NOT_NEGATIVE, c.SPRING, drawn_by_joint=True)
     spring_preload_angle: PerJoint = per_joint((math.pi / 2, math.pi), c.TURN, drawn_by_joint=True)
+    spring_torque: Tables = tabulated(())
+    harness_torque: Tables = tabulated(())
+    hinge_damping: PerJoint = per_joint(0.0, c.NOT_NEGATIVE, c.Usual(1e-6, 1e4, "N m s/rad", "N mm s/rad"))
+    hinge_friction_torque: PerJoint = per_joint(0.0, c.NOT_NEGATIVE, c.Usual(1e-6, 20.0, "N m", "N mm"))
+    hinge_friction_rate: PerJoint = per_joint(1e-3, c.POSITIVE, c.Usual(1e-6, 0.1, "rad/s", "degrees per second"))
     cable_stiffness: PerJoint = per_joint(20.0, c.NOT_NEGATIVE, c.CABLE)
     cable_torque_ratio: float | None = number(None, c.NOT_NEGATIVE, optional=True)
     cable_preload_force: float = number(50.0, c.NOT_NEGATIVE, c.Usual(0.01, 1e4, "N", "mN"))
@@ -214,13 +225,37 @@ class ArrayParameters:
         """Distance of the main body's base points [m], which must not lie too close to each other."""
         return self.hinge_x if self.hinge_x > 1e-3 * self.body_size else self.body_size
 
-    @property
+    @cached_property
     def joints(self) -> tuple[JointRow, ...]:
-        """The joints from the root on: a chain, folded like an accordion; the root opens by a quarter turn."""
-        return tuple(
-            JointRow(k, MAIN_BODY + k, MAIN_BODY + k + 1, 1 if k % 2 == 0 else -1, math.pi if k else math.pi / 2)
-            for k in range(self.panel_count)
+        """The joints of a chain, from the root on."""
+        return tuple(self._joint(k) for k in range(self.panel_count))
+
+    def _joint(self, k: int) -> JointRow:
+        fold = self.by_joint("fold_angle", k) or (math.pi if k else math.pi / 2)
+        sign = -1 if k % 2 and self.folding == "accordion" else 1
+        return JointRow(k, MAIN_BODY + k, MAIN_BODY + k + 1, sign, fold, self.by_joint("lock_angle", k) or fold)
+
+    def panel(self, joint: int) -> PanelRow:
+        """The panel that a joint carries, counted from 0."""
+        names = ("length", "width", "thickness", "density", "young", "damping", "area_mass", "bending_stiffness")
+        length, width, thickness, density, young, damping, area_mass, bending = (
+            self.by_joint(f"panel_{name}", joint) for name in names
         )
+        section = width * thickness
+        return PanelRow(
+            length,
+            thickness,
+            density * section if area_mass is None else area_mass * width,
+            young * section,
+            young * section * thickness**2 / 12.0 if bending is None else bending,
+            damping,
+        )
+
+    def table(self, name: str, joint: int) -> TorqueTable:
+        """The table of a tabulated torque of a joint, counted from 0."""
+        tables = getattr(self, name)
+        alone = not tables or is_number(tables[0][0])
+        return tables if alone else tables[min(joint, len(tables) - 1)]
 
     def stop(self, joint: int) -> Stop:
         """The stop of a joint's latch and stow stop, counted from 0."""
@@ -264,7 +299,9 @@ class ArrayParameters:
 
 
 _ROWS = {item.name: (item.default, c.row_of(item)) for item in fields(ArrayParameters)}
-ArrayParameters.CONTINUOUS = tuple(name for name, (default, _) in _ROWS.items() if not isinstance(default, (str, int)))
+ArrayParameters.CONTINUOUS = tuple(
+    name for name, (default, row) in _ROWS.items() if not row.table and not isinstance(default, (str, int))
+)
 ArrayParameters.BY_JOINT = tuple(name for name, (_, row) in _ROWS.items() if row.by_joint)
 ArrayParameters.DRAWN_BY_JOINT = tuple(name for name, (_, row) in _ROWS.items() if row.drawn_by_joint)
 

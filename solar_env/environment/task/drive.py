@@ -54,14 +54,20 @@ class TaskNumbers(NamedTuple):
 
 
 def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
-    """The springs' torque on a joint, folded [N m], and by how much it falls with its angle [N m/rad].
+    """The torque of springs and harness on a joint, folded [N m], and by how much it falls with its angle [N m/rad].
 
     It is reflected through the cable loops, which keep the joints' angles in the ratio of their lock angles.
     """
     lock_angles = np.array([row.lock_angle for row in array.joints])
     ratios = lock_angles / lock_angles[joint]
     stiffness = ratios**2 * array.for_each_joint("spring_stiffness")
-    return float(stiffness @ (array.for_each_joint("spring_preload_angle") / ratios)), float(stiffness.sum())
+    load, slope = stiffness @ (array.for_each_joint("spring_preload_angle") / ratios), stiffness.sum()
+    for row, ratio in zip(array.joints, ratios, strict=True):
+        for name in ("spring_torque", "harness_torque"):
+            if table := array.table(name, row.index):
+                folded, deployed = np.interp((0.0, row.lock_angle), *np.array(table).T)
+                load, slope = load + ratio * folded, slope + ratio**2 * (folded - deployed) / row.lock_angle
+    return float(load), float(slope)
 
 
 def motor_row(

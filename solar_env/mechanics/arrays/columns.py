@@ -2,7 +2,7 @@
 
 What such a torque is called, which energy it stores and which it puts in or loses stands in its row of `TORQUES`;
 integrals, energies, trajectories, files and sums of torques follow from there. The compiled laws are those of
-`joints/torques.py`.
+`joints/torques`.
 """
 
 from typing import NamedTuple
@@ -16,8 +16,11 @@ from solar_env.mechanics.arrays import model as m
 ECCENTRICITY_X, ECCENTRICITY_Y, ANGLE, RATE, OUTBOARD_SPIN, INBOARD_SPIN = range(6)
 SHARED_COLUMNS = 6
 # Behind them, in the table of joint loads that one evaluation fills; the torques stand side by side.
-NORMAL, TANGENTIAL, FORCE_X, FORCE_Y, SPRING_TORQUE, CABLE_TORQUE, LATCH_TORQUE, MOTOR_TORQUE = range(6, 14)
-LOAD_COLUMNS = 14
+NORMAL, TANGENTIAL, FORCE_X, FORCE_Y = range(6, 10)
+SPRING_TORQUE, CABLE_TORQUE, LATCH_TORQUE, MOTOR_TORQUE, HARNESS_TORQUE, DAMPING_TORQUE, HINGE_FRICTION_TORQUE = range(
+    10, 17
+)
+LOAD_COLUMNS = 17
 
 
 class TorqueLaw(NamedTuple):
@@ -48,6 +51,15 @@ TORQUES = (
         "latch_torque", LATCH_TORQUE, energy="latch", book="latch_dissipation", integral=m.LATCH_DISSIPATION, lost=True
     ),
     TorqueLaw("motor_torque", MOTOR_TORQUE, book="motor_work", integral=m.MOTOR_WORK),
+    TorqueLaw("harness_torque", HARNESS_TORQUE, energy="harness"),
+    TorqueLaw("damping_torque", DAMPING_TORQUE, book="damper_dissipation", integral=m.DAMPER_DISSIPATION, lost=True),
+    TorqueLaw(
+        "hinge_friction_torque",
+        HINGE_FRICTION_TORQUE,
+        book="hinge_friction_dissipation",
+        integral=m.HINGE_FRICTION_DISSIPATION,
+        lost=True,
+    ),
 )
 FIRST_TORQUE, END_OF_TORQUES = TORQUES[0].column, TORQUES[-1].column + 1
 

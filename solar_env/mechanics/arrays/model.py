@@ -12,10 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.numerics.checks import MOST_POINTS
 from solar_env.mechanics.numerics.profile import Elimination
 
 # Accelerations that solve the equations of motion, or do so to a step's tolerance; those of generalized-alpha.
 EXACT, APPROXIMATE, ALGORITHMIC = 1, 2, 3
+TABLE_ROWS = MOST_POINTS + 1  # of a torque tabulated over the angle
 # Joint kinds.
 IDEAL, CLEARANCE = 0, 1
 
@@ -40,8 +42,20 @@ joint_type = record(
         # Torques about the joint angle.
         ("spring_stiffness", np.float64),
         ("spring_preload_angle", np.float64),
+        ("spring_points", np.int64),
+        ("spring_table", np.float64, (TABLE_ROWS, 3)),  # see `joints/torques/table.py`
+        ("harness_points", np.int64),
+        ("harness_table", np.float64, (TABLE_ROWS, 3)),
+        ("known_stiffness", np.float64),  # greatest slope of the torques that always act
+        ("damping", np.float64),
+        ("friction_torque", np.float64),
+        ("friction_ramp_rate", np.float64),
         ("has_latch", np.int64),
         ("lock_angle", np.float64),
+        ("one_sided", np.int64),  # whether nothing but a stop is at the lock angle, which holds from above alone
+        ("is_held", np.int64),  # at t = 0, by a hold-down
+        ("release_time", np.float64),  # of that, since t = 0 or since the joint below has latched
+        ("released_by", np.int64),  # joint; -1 for none
         ("has_stow_stop", np.int64),
         ("stow_angle", np.float64),
         ("stop_gap", np.float64),
@@ -112,6 +126,8 @@ joint_state_type = record(
         ("lock_impulse", np.float64),  # values of the joint's integrals at the first latching
         ("lock_sliding_work", np.float64),
         ("lock_peak_force", np.float64),  # greatest force up to the first latching
+        ("held", np.int64),  # at the stow angle, by its hold-down
+        ("release_time", np.float64),  # of that; infinite while it is not known
         ("latched", np.int64),
         ("latch_time", np.float64),
         ("stop_engaged", np.int64),  # whether the latch's or the stow stop's torque is evaluated
@@ -145,7 +161,8 @@ clock_type = record(
 
 # Running time integrals: these of every joint, joint by joint, then those of the whole mechanism.
 NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE, MOTOR_WORK, LATCH_DISSIPATION, CABLE_WORK = range(7)
-INTEGRALS_PER_JOINT = 7
+DAMPER_DISSIPATION, HINGE_FRICTION_DISSIPATION = 7, 8
+INTEGRALS_PER_JOINT = 9
 # Work of drives and load torques; energy that the material damping of flexible bodies took.
 EXTERNAL_WORK, MATERIAL_DISSIPATION = -2, -1
 GLOBAL_INTEGRALS = 2
@@ -158,8 +175,8 @@ def joint_integrals(integrals: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 # Stored energies, in this order; the last one is the potential of all constant forces.
-KINETIC, SPRING, CABLE, LATCH, CONTACT, ELASTIC, GRAVITY = range(7)
-ENERGY_NAMES = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "gravity")
+KINETIC, SPRING, CABLE, LATCH, CONTACT, ELASTIC, HARNESS, GRAVITY = range(8)
+ENERGY_NAMES = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "harness", "gravity")
 ENERGIES = len(ENERGY_NAMES)
 
 # Most coordinates that one linear constraint acts on: two points, of two coordinate pairs each.

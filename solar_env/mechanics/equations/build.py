@@ -132,12 +132,14 @@ class _Compiler:
 
     def _joints(self) -> NDArray[np.void]:
         joints = np.zeros(len(self.mechanism.joints), dtype=m.joint_type)
+        names = [joint.name for joint in self.mechanism.joints]
         for k, joint in enumerate(self.mechanism.joints):
             record = joints[k]
             inboard = self._marker(joint.inboard, joint.inboard_point)
             outboard = self._marker(joint.outboard, joint.outboard_point)
             record["inboard"], record["outboard"] = inboard, outboard
             fill_joint(record, joint)
+            record["released_by"] = -1 if joint.release_after is None else names.index(joint.release_after)
             if joint.bearing is None:
                 record["kind"] = m.IDEAL
                 record["row"] = len(self.rows)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.joints.laws import SLIDING_READINGS
+from solar_env.mechanics.joints.torques.table import compile_table, steepest_slope
 from solar_env.mechanics.mechanism.description import Bearing, CableLoop, FlexibleBody, Joint, Mechanism, ModalPanel
 
 
@@ -19,16 +20,24 @@ def fill_joint(record: np.void, joint: Joint) -> None:
     if joint.spring is not None:
         record["spring_stiffness"] = joint.spring.stiffness
         record["spring_preload_angle"] = joint.spring.preload_angle
+    record["known_stiffness"] = record["spring_stiffness"]
+    for name, points in (("spring", joint.spring_table), ("harness", joint.harness)):
+        record[f"{name}_points"], record[f"{name}_table"] = len(points), compile_table(points)
+        record["known_stiffness"] += steepest_slope(points)
+    record["damping"], record["friction_torque"] = joint.damping, joint.friction_torque
+    record["friction_ramp_rate"] = joint.friction_ramp_rate
     if joint.stop is not None:
         for name in ("gap", "stiffness", "exponent", "ramp_depth", "damping"):
             record[f"stop_{name}"] = getattr(joint.stop, name)
     if joint.lock_angle is not None:
-        record["has_latch"] = 1
+        record["has_latch"], record["one_sided"] = 1, not joint.latches
         record["lock_angle"] = joint.lock_angle
     if joint.stow_angle is not None:
         record["has_stow_stop"] = 1
         record["stow_angle"] = joint.stow_angle
-    record["angle_limited"] = joint.spring is not None or joint.stop is not None
+    if joint.release_time is not None:
+        record["is_held"], record["release_time"] = 1, joint.release_time
+    record["angle_limited"] = any((joint.spring, joint.stop, joint.spring_table, joint.harness))
 
 
 def fill_bearing(record: np.void, bearing: Bearing) -> None:

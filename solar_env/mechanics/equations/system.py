@@ -21,7 +21,7 @@ from solar_env.mechanics.equations import constraints
 from solar_env.mechanics.joints.cable_loop import belt_loads, wheel_motion
 from solar_env.mechanics.joints.contact import contact_energy
 from solar_env.mechanics.joints.joint import joint_forces
-from solar_env.mechanics.joints.torques import add_torque_energies
+from solar_env.mechanics.joints.torques.hinge import add_torque_energies
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import cholesky_solve, copy_into
 

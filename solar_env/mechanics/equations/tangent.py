@@ -20,7 +20,7 @@ from solar_env.mechanics.equations.system import Workspace
 from solar_env.mechanics.joints.contact import contact_motion, friction_share, normal_force, sliding_share
 from solar_env.mechanics.joints.joint import relative
 from solar_env.mechanics.joints.laws import MATERIAL, PLACES
-from solar_env.mechanics.joints.torques import hinge_torques, summed_torque
+from solar_env.mechanics.joints.torques.hinge import hinge_torques, summed_torque
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry, clear
 

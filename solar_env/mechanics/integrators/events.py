@@ -11,7 +11,7 @@ from solar_env.mechanics.integrators.methods.table import (
     open_contact_of,
 )
 from solar_env.mechanics.joints.contact import impact_scales
-from solar_env.mechanics.joints.torques import stop_depth
+from solar_env.mechanics.joints.torques.stop import stop_depth
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import latch
 
@@ -33,7 +33,7 @@ def event_function(model, state, settings, arrays, j, kind, h, share):
     angle = angle_of(settings)(model, state, arrays, j, h, share)
     if kind == LATCHING:
         return angle - model.joints[j].lock_angle
-    depth, _ = stop_depth(model.joints[j], state.joints[j].latched, angle)
+    depth, _ = stop_depth(model.joints[j], state.joints[j], angle)
     return depth
 
 
@@ -86,7 +86,7 @@ def first_event(model, state, settings, arrays, h):
             if root < share or (root == share and what == NO_EVENT):
                 share, which, what = root, number, CONTACT_START
         angle = angle_of(settings)(model, state, arrays, j, h, 1.0)
-        depth, _ = stop_depth(joint, joint_state.latched, angle)
+        depth, _ = stop_depth(joint, joint_state, angle)
         latches = joint.has_latch and not joint_state.latched and angle >= joint.lock_angle
         for kind in (LATCHING, STOP_ENGAGEMENT):
             if latches if kind == LATCHING else depth > 0.0 and not joint_state.stop_engaged:
@@ -130,7 +130,7 @@ def begin_event(model, state, settings, arrays, j, kind, time, speed):
     """Latch joint `j`, engage its stop, or start its contact, at a `time` [s] and an approach `speed` [m/s]."""
     joint, joint_state = model.joints[j], state.joints[j]
     if kind == LATCHING:
-        latch(state, j, time)
+        latch(model.joints, state, j, time)
     elif kind == STOP_ENGAGEMENT:
         joint_state.stop_engaged = 1
     else:

@@ -45,8 +45,10 @@ from solar_env.mechanics.records.history import (
     end_contact,
     fail,
     has_parted,
+    next_release,
     note_force,
     parting_time,
+    release_joints,
     release_stop,
     wear_contact,
 )
@@ -246,8 +248,11 @@ def advance(model, state, settings, recorder, end_time, steps_left, arrays):
             return m.PAUSED, steps_left
         if steps_left <= 0:
             return m.TOO_MANY_STEPS, steps_left
+        if release_joints(model, state, arrays.motion):
+            status = begin_call(model, state, settings, recorder, arrays)
+            continue
         steps_left -= 1
-        status = take_step(model, state, settings, recorder, end_time, arrays)
+        status = take_step(model, state, settings, recorder, next_release(state, end_time), arrays)
     return status, steps_left
 
 

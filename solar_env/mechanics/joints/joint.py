@@ -1,4 +1,4 @@
-"""Forces in a joint: the torques about its angle (`torques.py`), and contact in its bearing.
+"""Forces in a joint: the torques about its angle (`torques`), and contact in its bearing.
 
 Every joint joins an outboard marker (the journal) to an inboard one (the bearing). A torque acts as the gradient of
 the direction angle, so that it does no work on a body's stretch; a contact force acts at one material point on both
@@ -23,7 +23,7 @@ from solar_env.mechanics.arrays.columns import (
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, place
 from solar_env.mechanics.joints.cable_loop import belt_loads, inner_wheel_rate, move_to_chord, wheel_motion
 from solar_env.mechanics.joints.contact import contact_motion, friction_share, normal_force
-from solar_env.mechanics.joints.torques import (
+from solar_env.mechanics.joints.torques.hinge import (
     add_cable_power,
     add_torque_powers,
     enter_cable,

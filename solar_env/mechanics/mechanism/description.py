@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, FlexibleBody, ModalPanel, Point  # noqa: F401
 from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw
-from solar_env.mechanics.numerics.checks import require, require_finite, require_signs
+from solar_env.mechanics.numerics.checks import check_table, require, require_finite, require_signs
 
 
 @dataclass(frozen=True)
@@ -84,6 +84,9 @@ class Bearing:
         require(self.sliding in SLIDING_READINGS, self, "sliding", self.sliding, f"must be one of {SLIDING_READINGS}")
 
 
+TorqueTable = tuple[Point, ...]
+
+
 @dataclass(frozen=True)
 class Joint:
     """A revolute joint between a point of the inboard body (bearing) and one of the outboard body (journal).
@@ -100,6 +103,16 @@ class Joint:
         stop: shared by latch and stow stop.
         lock_angle: joint angle at which the joint latches; None for no latch.
         stow_angle: joint angle below which the stop pushes back; None for no stow stop.
+        latches: whether the joint latches at the lock angle; else a stop is there alone, whose joint counts as latched
+            from its first arrival on.
+        release_time: at which a hold-down lets go of the joint, which it holds folded until then [s]; None for
+            no hold-down.
+        release_after: joint whose latching the release time is counted from, not t = 0.
+        spring_table: angles [rad] and torques [N m] of a spring of any characteristic, beside the other one.
+        harness: angles [rad] and torques [N m] of what else works on the hinge by its angle.
+        damping: of a viscous damper [N m s/rad].
+        friction_torque: of dry friction [N m].
+        friction_ramp_rate: rate about which that turns round [rad/s].
     """
 
     name: str
@@ -115,14 +128,28 @@ class Joint:
     stop: Stop | None = None
     lock_angle: float | None = None
     stow_angle: float | None = None
+    latches: bool = True
+    release_time: float | None = None
+    release_after: str | None = None
+    spring_table: TorqueTable = ()
+    harness: TorqueTable = ()
+    damping: float = 0.0
+    friction_torque: float = 0.0
+    friction_ramp_rate: float = 1e-3
 
     def __post_init__(self) -> None:
-        require_finite(self)
+        require_finite(self, "spring_table", "harness")
+        require_signs(self, ("friction_ramp_rate",), not_negative=("damping", "friction_torque"))
+        for name in ("spring_table", "harness"):
+            check_table(f"Joint.{name}", getattr(self, name))
         require(self.sign in (1, -1), self, "sign", self.sign, "must be +1 or -1")
         require(self.inboard != self.outboard, self, "outboard", self.outboard, "must differ from the inboard body")
         if self.stop is None:
             for name in ("lock_angle", "stow_angle"):
                 require(getattr(self, name) is None, self, name, getattr(self, name), "needs a stop")
+        if self.release_time is not None:
+            require(self.release_time >= 0.0, self, "release_time", self.release_time, "must not be negative")
+            require(self.stow_angle is not None, self, "release_time", self.release_time, "needs a stow_angle")
         if self.lock_angle is not None and self.stow_angle is not None:
             rule = f"must be below lock_angle = {self.lock_angle!r}"
             require(self.stow_angle < self.lock_angle, self, "stow_angle", self.stow_angle, rule)
@@ -242,6 +269,19 @@ class Mechanism:
             require(part.body != GROUND, part, "body", part.body, "does not move; attach to a body")
             require(part.body in known, part, "body", part.body, f"is not a body of the mechanism {sorted(known)}")
         by_name = {joint.name: joint for joint in self.joints}
+        for joint in self.joints:
+            seen, after = {joint.name}, joint.release_after
+            while after is not None:
+                require(
+                    after in by_name,
+                    joint,
+                    "release_after",
+                    after,
+                    f"is not a joint of the mechanism {sorted(by_name)}",
+                )
+                require(after not in seen, joint, "release_after", after, "waits for itself in the end")
+                seen.add(after)
+                after = by_name[after].release_after
         for cable in self.cables:
             for name in (cable.joint_a, cable.joint_b):
                 require(name in by_name, cable, "joint", name, f"is not a joint of the mechanism {sorted(by_name)}")

@@ -12,15 +12,16 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE, RATE
 from solar_env.mechanics.joints.cable_loop import belt_loads
 from solar_env.mechanics.joints.contact import contact_energy, friction_share, normal_force
-from solar_env.mechanics.joints.torques import (
+from solar_env.mechanics.joints.torques.hinge import (
     add_cable_power,
+    add_resistance_powers,
     add_torque_energies,
     enter_cable,
     enter_torques,
     hinge_torques,
-    stop_energy,
-    stop_torque,
+    may_be_stiff,
 )
+from solar_env.mechanics.joints.torques.stop import stop_energy
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,
@@ -77,15 +78,16 @@ def add_integrals(model, state, work, h):
         motion, force, before = work.joints[j].motion, force_of(model, j), state.motion[j]
         start, end = before[ANGLE], motion[ANGLE, LAST]
         integrals[first + m.MOTOR_WORK] += joint_state.motor_torque * (end - start)
-        if joint_state.stop_engaged:
+        if may_be_stiff(joint, joint_state):
             rate = load4(motion[RATE], 0)
-            torque, elastic, _, _ = stop_torque(joint, joint_state, load4(motion[ANGLE], 0), rate)
-            let_go = sum_lanes(where_less(abs(torque), _NO_TORQUE, 1.0, 0.0)) > 0.0
+            torques = hinge_torques(joint, joint_state, load4(motion[ANGLE], 0), rate)
+            add_resistance_powers(torques, rate, weights, j, integrals)
+            let_go = sum_lanes(where_less(abs(torques.latch), _NO_TORQUE, 1.0, 0.0)) > 0.0
             if let_go:
                 stored = stop_energy(joint, joint_state, end) - stop_energy(joint, joint_state, start)
             else:
-                stored = -sum_lanes(weights * elastic * rate)
-            integrals[first + m.LATCH_DISSIPATION] -= sum_lanes(weights * torque * rate) + stored
+                stored = -sum_lanes(weights * torques.latch_elastic * rate)
+            integrals[first + m.LATCH_DISSIPATION] -= sum_lanes(weights * torques.latch * rate) + stored
         normal, tangential = load4(work.loads[force].stage, 0), load4(work.loads[force + 1].stage, 0)
         if joint.kind == m.IDEAL:
             reaction = square_roots(normal * normal + tangential * tangential)

@@ -164,6 +164,8 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
             "one shape: give every ModalPanel the greatest of these numbers"
         )
     designs = tuple(dict.fromkeys(design(panel) for panel in flexible))
+    # As many as there are panels, alike or not: lanes of one structure may differ in that.
+    designs += designs[:1] * (len(flexible) - len(designs))
     # Arrays need a design even where no body has one.
     exact = _EXACT_BESIDE_REACTIONS if (rigid.joints["kind"] == IDEAL).any() else _EXACT
     panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),), exact)

@@ -5,7 +5,7 @@ import numpy as np
 from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.joints.cable_loop import belt_loads, cable_torque
 from solar_env.mechanics.joints.contact import depth_under, friction_share, normal_force, sliding_share
-from solar_env.mechanics.joints.torques import hinge_torques, torque_of_motion
+from solar_env.mechanics.joints.torques.hinge import hinge_torques, torque_of_motion
 from solar_env.mechanics.modal.arrays import (
     DEPTH,
     DEPTH_RATE,

@@ -7,7 +7,7 @@ the unknown works on: a joint angle, minus a depth, a sliding speed, a component
 import math
 
 from solar_env.mechanics.arrays.model import IDEAL
-from solar_env.mechanics.joints.torques import known_stiffness, may_be_stiff
+from solar_env.mechanics.joints.torques.hinge import may_be_stiff
 from solar_env.mechanics.modal.arrays import (
     ACROSS_X,
     ACROSS_Y,
@@ -110,7 +110,7 @@ def list_rows(model, state, work, tables, level, h):
         joint, torque, force = model.joints[j], work.loads[j], force_of(model, j)
         give, moved = effect_of_torque(model, tables, level, h, j)
         work.joints[j].angle_by_torque, torque.tolerance = give, work.step[0].velocity_tolerance / (DEVIATION * moved)
-        torque.unknown = may_be_stiff(state.joints[j]) or known_stiffness(joint) * give > _SOFT
+        torque.unknown = may_be_stiff(joint, state.joints[j]) or joint.known_stiffness * give > _SOFT
         if torque.unknown:
             n = list_unknown(model, work, n, TORQUE_ROW, j, j)
         if joint.kind == IDEAL:

@@ -2,6 +2,9 @@
 
 import math
 from dataclasses import fields
+from itertools import pairwise
+
+MOST_POINTS = 24  # of a table
 
 
 def require(condition: bool, owner: object, name: str, value: object, rule: str) -> None:
@@ -35,3 +38,13 @@ def require_finite(owner: object, *skip: str) -> None:
         for number in values:
             if isinstance(number, float) and not math.isfinite(number):
                 require(False, owner, item.name, value, "must be finite")
+
+
+def check_table(name: str, table: tuple[tuple[float, float], ...]) -> None:
+    """Check that a table of a torque over the angle has finite numbers, rising angles, and not too many points."""
+    if len(table) > MOST_POINTS:
+        raise ValueError(f"{name} has {len(table)} points; give at most {MOST_POINTS}")
+    if not all(math.isfinite(number) for point in table for number in point):
+        raise ValueError(f"{name} = {table!r} must hold finite angles [rad] and torques [N m]")
+    if any(after[0] - before[0] < 1e-6 for before, after in pairwise(table)):
+        raise ValueError(f"{name} = {table!r} must hold pairs (angle, torque) whose angles rise, by 1e-6 rad at least")

@@ -3,7 +3,7 @@
 import math
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.torques import stop_depth
+from solar_env.mechanics.joints.torques.stop import stop_depth, stop_energy
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import record_contact
@@ -32,8 +32,11 @@ def note_force(joint_state, force, postlock):
 
 
 @kernel(inlined=False)
-def latch(state, j, time):
+def latch(joints, state, j, time):
     """Latch joint `j` for good. The first latching starts the post-lock record of every joint."""
+    for k in range(joints.size):
+        if joints[k].released_by == j:
+            state.joints[k].release_time = time + joints[k].release_time
     state.joints[j].latched = 1
     state.joints[j].latch_time = time
     if state.clock[0].latched_joints == 0:
@@ -60,11 +63,34 @@ def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
 @kernel
 def release_stop(joint, joint_state, angle, rate):
     """Book that a stop which is engaged has opened, if it has."""
-    if joint_state.latched and joint.stop_gap == 0.0:
+    if joint_state.held or (joint_state.latched and joint.stop_gap == 0.0 and not joint.one_sided):
         return  # the two faces are one, on which the joint stays
-    depth, sign = stop_depth(joint, joint_state.latched, angle)
+    depth, sign = stop_depth(joint, joint_state, angle)
     # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
     joint_state.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * rate <= 0.0)
+
+
+@kernel
+def next_release(state, end):
+    """Earliest time [s] up to `end` at which a hold-down lets go of its joint, else `end`."""
+    for j in range(state.joints.size):
+        if state.joints[j].held:
+            end = min(end, state.joints[j].release_time)
+    return end
+
+
+@kernel(inlined=False)
+def release_joints(model, state, motion):
+    """Let go of the joints whose time has come, with what their hold-downs store; whether there are any."""
+    released = False
+    for j in range(state.joints.size):
+        joint_state = state.joints[j]
+        if joint_state.held and joint_state.release_time <= state.clock[0].time:
+            stored = stop_energy(model.joints[j], joint_state, motion[j].angle)
+            state.integrals[m.INTEGRALS_PER_JOINT * j + m.LATCH_DISSIPATION] += stored
+            joint_state.held, joint_state.stop_engaged, state.clock[0].acceleration_current = 0, 0, 0
+            released = True
+    return released
 
 
 @kernel

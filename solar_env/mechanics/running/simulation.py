@@ -82,10 +82,13 @@ class Simulation:
                 )
 
     def _engage_stops(self) -> None:
-        """Engage the stow stops that the initial angles lie in, lest their energy be missing from the book."""
+        """Engage hold-downs, and the stow stops that the initial angles lie in, whose energy the book would miss."""
         joints, angles = self.model.joints, self.joint_loads()[:, columns.ANGLE]
         inside = joints["stow_angle"] - joints["stop_gap"] - angles > 0.0
-        self.state.joints["stop_engaged"] = inside & (joints["has_stow_stop"] != 0)
+        held, waits = joints["is_held"] != 0, joints["released_by"] >= 0
+        self.state.joints["held"] = held
+        self.state.joints["release_time"] = np.where(waits, math.inf, joints["release_time"])
+        self.state.joints["stop_engaged"] = held | (inside & (joints["has_stow_stop"] != 0))
         depths = np.where(joints["has_latch"] != 0, angles - joints["lock_angle"] - joints["stop_gap"], 0.0)
         for joint in np.flatnonzero(depths > 0.0).tolist():
             row, depth = joints[joint], float(depths[joint])

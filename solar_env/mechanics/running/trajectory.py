@@ -47,12 +47,13 @@ class Trajectory:
             of the time of quiet deployments; those inside steps of modal-radau follow the step's polynomial. Peak
             forces and integrals are free of that.
         joint_force: (nt, nj, 2) force on the outboard body.
-        spring_torque, cable_torque, latch_torque, motor_torque: (nt, nj) on the joint angle. The latch torque includes
-            the stow stop's.
-        energies: name -> (nt,); stored: kinetic, spring, cable, latch, contact, elastic, gravity (of all constant
-            forces); put in: motor_work, cable_work (zero for a loop whose torque ratio is its wheel ratio),
+        spring_torque, cable_torque, latch_torque, motor_torque, harness_torque, damping_torque, hinge_friction_torque:
+            (nt, nj) on the joint angle. The latch torque is that of all stops.
+        energies: name -> (nt,); stored: kinetic, spring, cable, latch, contact, elastic, harness, gravity (of all
+            constant forces); put in: motor_work, cable_work (zero for a loop whose torque ratio is its wheel ratio),
             external_work (of drives and load torques); lost: contact_dissipation, friction_dissipation,
-            latch_dissipation, material_dissipation; residual: stored - initially stored - put in + lost.
+            latch_dissipation, damper_dissipation, hinge_friction_dissipation, material_dissipation; residual: stored -
+            initially stored - put in + lost.
         sliding_work, impulse: (nt, nj) integrals of normal force * |sliding speed| and of the force since t = 0.
         wear_journal, wear_bearing: (nj, bins) depth at the end, by angle in the frame of the surface's body.
         contacts: structured array of all contacts in the order of their ends; those still open come last, with
@@ -85,6 +86,9 @@ class Trajectory:
     cable_torque: Array
     latch_torque: Array
     motor_torque: Array
+    harness_torque: Array
+    damping_torque: Array
+    hinge_friction_torque: Array
     energies: dict[str, Array]
     sliding_work: Array
     impulse: Array

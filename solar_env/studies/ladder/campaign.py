@@ -195,7 +195,7 @@ def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcom
     scale = np.abs(other.mean(axis=0)).sum(axis=-1)
     if question == "tip-motion":
         parameters = ArrayParameters()
-        scale = np.full(other.shape[1], len(parameters.joints) * parameters.panel_length)
+        scale = np.full(other.shape[1], sum(parameters.panel(joint.index).length for joint in parameters.joints))
     return mean_error(level, other, scale)
 
 

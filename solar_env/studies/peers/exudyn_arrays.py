@@ -47,16 +47,16 @@ class RigidArray(PeerArray):
         p, system = self.p, self.system
         node, body = self.base()
         nodes, bodies = [node], [body]
-        y = p.hinge_y - p.panel_length / 2
+        y = p.hinge_y - self.panel.length / 2
         for angle, (speed, spin) in zip(_FOLDED, self.release(), strict=True):  # the second lies folded back
-            speed -= spin * p.panel_length / 2 * math.sin(angle)
+            speed -= spin * self.panel.length / 2 * math.sin(angle)
             node = items.NodeRigidBody2D(
                 referenceCoordinates=[p.hinge_x, y, angle], initialVelocities=[speed, 0.0, spin]
             )
             nodes.append(system.AddNode(node))
-            panel = items.ObjectRigidBody2D(mass=self.mass, inertia=self.inertia, nodeNumber=nodes[-1])
+            panel = items.ObjectRigidBody2D(mass=self.panel.mass, inertia=self.panel.inertia, nodeNumber=nodes[-1])
             bodies.append(system.AddObject(panel))
-        half = p.panel_length / 2
+        half = self.panel.length / 2
         first = self.point(bodies[0], p.hinge_x, p.hinge_y), self.point(bodies[1], -half)
         self.joints([first, (self.point(bodies[1], half), self.point(bodies[2], -half))])
         to_angles = np.zeros((2, 9))
@@ -93,9 +93,10 @@ class TreeArray(PeerArray):
         for angle in (_FOLDED[0], math.pi):
             c, s = round(math.cos(angle)), round(math.sin(angle))
             turns.append(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
-        zero, half = [0.0, 0.0, 0.0], [p.panel_length / 2, 0.0, 0.0]
-        offsets = [zero, zero, zero, [p.hinge_x, p.hinge_y, 0.0], [p.panel_length, 0.0, 0.0]]
-        inertias = [np.diag([0.0, 0.0, about]) for about in (0.0, 0.0, p.body_inertia, self.inertia, self.inertia)]
+        zero, half = [0.0, 0.0, 0.0], [self.panel.length / 2, 0.0, 0.0]
+        offsets = [zero, zero, zero, [p.hinge_x, p.hinge_y, 0.0], [self.panel.length, 0.0, 0.0]]
+        about = (0.0, 0.0, p.body_inertia, self.panel.inertia, self.panel.inertia)
+        inertias = [np.diag([0.0, 0.0, inertia]) for inertia in about]
         system.AddObject(
             items.ObjectKinematicTree(
                 nodeNumber=node,
@@ -105,7 +106,7 @@ class TreeArray(PeerArray):
                 jointOffsets=exudyn.Vector3DList(offsets),
                 linkInertiasCOM=exudyn.Matrix3DList(inertias),
                 linkCOMs=exudyn.Vector3DList([zero, zero, zero, half, half]),
-                linkMasses=[0.0, 0.0, p.body_mass, self.mass, self.mass],
+                linkMasses=[0.0, 0.0, p.body_mass, self.panel.mass, self.panel.mass],
             )
         )
         to_angles = np.zeros((2, 5))
@@ -127,11 +128,10 @@ class BeamArray(PeerArray):
         """Add everything but the latches."""
         p, system, elements = self.p, self.system, self.scene.level.count
         base, body = self.base()
-        length = p.panel_length / elements
-        section = p.panel_width * p.panel_thickness
-        bending = p.panel_young * section * p.panel_thickness**2 / 12.0
+        length = self.panel.length / elements
+        axial, bending, damping = self.panel.axial_stiffness, self.panel.bending_stiffness, self.panel.damping
         panels, cables = [], []
-        senses = ((p.hinge_y, -1.0), (p.hinge_y - p.panel_length, 1.0))
+        senses = ((p.hinge_y, -1.0), (p.hinge_y - self.panel.length, 1.0))
         for (start, sense), (speed, spin) in zip(senses, self.release(), strict=True):
             nodes = [
                 system.AddNode(
@@ -148,11 +148,11 @@ class BeamArray(PeerArray):
                     system.AddObject(
                         items.ObjectANCFCable2D(
                             length=length,
-                            massPerLength=p.panel_density * section,
+                            massPerLength=self.panel.linear_density,
                             bendingStiffness=bending,
-                            axialStiffness=p.panel_young * section,
-                            bendingDamping=p.panel_damping * bending,
-                            axialDamping=p.panel_damping * p.panel_young * section,
+                            axialStiffness=axial,
+                            bendingDamping=damping * bending,
+                            axialDamping=damping * axial,
                             nodeNumbers=list(pair),
                         )
                     )

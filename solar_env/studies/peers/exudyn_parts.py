@@ -40,8 +40,7 @@ class PeerArray(ABC):
         self.contacts: list[Any] = []
         self.latch_times = [math.nan, math.nan]
         self._kept_alive: list[object] = []  # Python functions that the library calls
-        self.mass = self.p.panel_density * self.p.panel_length * self.p.panel_width * self.p.panel_thickness
-        self.inertia = self.mass * (self.p.panel_length**2 + self.p.panel_thickness**2) / 12.0
+        self.panel = self.p.panel(0)  # both are alike
         ground = self.system.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
         self.ground = self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
         latches = self.build()
@@ -58,7 +57,7 @@ class PeerArray(ABC):
     def release(self) -> list[tuple[float, float]]:
         """Speed along x of the inner end [m/s] and spin [rad/s] of each folded panel at t = 0."""
         rates = [self.p.by_joint("initial_rate", j) for j in (0, 1)]
-        return [(0.0, rates[0]), (self.p.panel_length * rates[0], rates[0] - rates[1])]
+        return [(0.0, rates[0]), (self.panel.length * rates[0], rates[0] - rates[1])]
 
     def base(self) -> tuple[int, int]:
         """Node and body of the main body."""

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from scipy.interpolate import PchipInterpolator
 
 from solar_env.array import ArrayParameters
 
@@ -120,26 +121,24 @@ class Chain:
 
 def make_chain(p: ArrayParameters) -> Chain:
     """Main body (left out if it is fixed) and panels; the first inboard pin is the main body's centroid."""
-    mass = p.panel_density * p.panel_length * p.panel_width * p.panel_thickness
-    inertia = mass * (p.panel_length**2 + p.panel_thickness**2) / 12.0
-    panels = [ChainLink(mass, inertia, p.panel_length / 2 + 0j, p.panel_length + 0j)] * p.panel_count
+    rows = [p.panel(joint.index) for joint in p.joints]
+    panels = [ChainLink(row.mass, row.inertia, row.length / 2 + 0j, row.length + 0j) for row in rows]
     if p.body_fixed:
         return Chain(panels)
     return Chain([ChainLink(p.body_mass, p.body_inertia, 0j, complex(p.hinge_x, p.hinge_y)), *panels], free=True)
 
 
 def folded_angles(p: ArrayParameters) -> Array:
-    """Absolute angles of the chain's links at t = 0: panels alternate between -pi/2 and pi/2."""
-    panels = [-math.pi / 2 * (-1) ** k for k in range(p.panel_count)]
-    return np.array(panels if p.body_fixed else [0.0, *panels])
+    """Absolute angles of the chain's links at t = 0."""
+    panels = -np.cumsum([joint.sign * joint.fold_angle for joint in p.joints])
+    return panels if p.body_fixed else np.append(0.0, panels)
 
 
 def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
     """(panels, links) matrix: joint angles = matrix (angles - folded ones); its transpose spreads torques."""
     matrix = np.zeros((p.panel_count, p.panel_count + 1))
-    for k in range(p.panel_count):
-        sign = (-1.0) ** k
-        matrix[k, k], matrix[k, k + 1] = -sign, sign
+    for k, joint in enumerate(p.joints):
+        matrix[k, k], matrix[k, k + 1] = -joint.sign, joint.sign
     return matrix[:, 1:] if p.body_fixed else matrix
 
 
@@ -148,11 +147,32 @@ def spring_torques(p: ArrayParameters, joint_angles: Array) -> Array:
     return np.array(p.for_each_joint("spring_stiffness")) * (p.for_each_joint("spring_preload_angle") - joint_angles)
 
 
+def hinge_torques(p: ArrayParameters) -> Callable[[Array, Array], Array]:
+    """(panels,) torques [N m] of springs, tables, dampers and friction by the joints' angles and rates."""
+    curves = [
+        (joint.index, PchipInterpolator(*np.array(table).T))
+        for name in ("spring_torque", "harness_torque")
+        for joint in p.joints
+        if (table := p.table(name, joint.index))
+    ]
+    damping, friction, ramp = (
+        np.array(p.for_each_joint(f"hinge_{name}")) for name in ("damping", "friction_torque", "friction_rate")
+    )
+
+    def torques(angles: Array, rates: Array) -> Array:
+        total = spring_torques(p, angles) - damping * rates - friction * rates / np.hypot(rates, ramp)
+        for joint, curve in curves:
+            total[joint] += curve(angles[joint])
+        return np.asarray(total)
+
+    return torques
+
+
 def cable_torques(p: ArrayParameters, joint_angles: Array) -> Array:
     """(panels,) of loops whose strands are both taut [N m]; wheel ratios are those of the lock angles."""
     total = np.zeros(p.panel_count)
     for k in range(1, p.panel_count):
-        ratio = 2.0 if k == 1 else 1.0
+        ratio = p.joints[k].lock_angle / p.joints[k - 1].lock_angle
         torque = p.by_joint("cable_stiffness", k - 1) * (ratio * joint_angles[k - 1] - joint_angles[k])
         total[k] += torque
         total[k - 1] -= (ratio if p.cable_torque_ratio is None else p.cable_torque_ratio) * torque
@@ -163,9 +183,11 @@ def joint_angles_over_time(p: ArrayParameters, times: list[float]) -> NDArray[np
     """(times, panels) joint angles [rad] of the deployment with an elastic cable, before any latching."""
     chain, start, matrix = make_chain(p), folded_angles(p), hinge_map(p)
 
-    def torques(angles: Array, _: Array) -> Array:
+    at_hinges = hinge_torques(p)
+
+    def torques(angles: Array, rates: Array) -> Array:
         joint_angles = matrix @ (angles - start)
-        return matrix.T @ (spring_torques(p, joint_angles) + cable_torques(p, joint_angles))
+        return matrix.T @ (at_hinges(joint_angles, matrix @ rates) + cable_torques(p, joint_angles))
 
     solution = chain.solve(start, torques, times)
     return (solution.y[: len(start)].T - start) @ matrix.T

@@ -139,7 +139,7 @@ def test_pd_is_a_spring_and_a_damper_to_the_lock_angle_up_to_its_saturation(driv
 def test_the_joints_share_in_the_opening_by_their_weights(weight, share):
     """Joint 1 is 0.1 of its lock angle further open than joint 2, and 0.2 lock angles a second faster."""
     entries = {"theta_1": 0.6, "theta_2": 0.5, "rate_1": 0.3 * np.pi / 2, "rate_2": 0.1 * np.pi}
-    found = weighted_opening({name: np.array([value]) for name, value in entries.items()}, weight)
+    found = weighted_opening({name: np.array([value]) for name, value in entries.items()}, weight, SIGNALS.lock_angles)
     assert np.concatenate(found) == pytest.approx([0.5 + 0.1 * share, 0.1 + 0.2 * share, 0.2], rel=1e-12)
 
 

@@ -16,7 +16,8 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.contact import contact_motion
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.joints.laws import SLIDING_READINGS
-from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque, summed_torque
+from solar_env.mechanics.joints.torques.hinge import summed_torque
+from solar_env.mechanics.joints.torques.stop import one_sided_stop, stop_energy, stop_torque
 from solar_env.mechanics.mechanism.description import CableLoop
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from solar_env.array.data_files import write_data
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.joints.torques import (
+from solar_env.mechanics.joints.torques.hinge import (
     add_torque_energies,
     hinge_torques,
     may_be_stiff,
@@ -36,7 +36,15 @@ def latched_joint() -> tuple[Any, Any]:
         spring=ROUND_SPRING,
         stop=ROUND_STOP,
     )
-    model, state = compile_mechanism(mechanism)
+    resisted = replace(
+        mechanism.joints[0],
+        spring_table=((0.0, 0.3), (0.7, -0.1), (1.3, 0.2), (2.0, 0.25)),
+        harness=((0.0, -0.02), (2.0, 0.05)),
+        damping=0.2,
+        friction_torque=0.1,
+        friction_ramp_rate=0.4,
+    )
+    model, state = compile_mechanism(replace(mechanism, joints=(resisted, *mechanism.joints[1:])))
     own = state.joints[0]
     own.latched, own.stop_engaged, own.motor_torque = 1, 1, 0.4
     return model.joints[0], own
@@ -53,7 +61,7 @@ def test_every_law_has_a_column_and_its_energies_are_in_the_books() -> None:
     assert {law.energy for law in columns.TORQUES if law.energy} < set(m.ENERGY_NAMES)
     assert {law.name for law in columns.TORQUES} < {item.name for item in fields(Trajectory)}
     booked = [law.integral for law in columns.TORQUES if law.book]
-    assert len(set(booked)) == len(booked) == 3
+    assert len(set(booked)) == len(booked) == 5
 
 
 def test_slopes_and_energies_are_those_of_the_sum() -> None:
@@ -66,8 +74,8 @@ def test_slopes_and_energies_are_those_of_the_sum() -> None:
     torques = hinge_torques(joint, own, *at)
     assert central_difference(total, at)[0] == pytest.approx([torques.by_angle, torques.by_rate], rel=1e-8)
     growth = central_difference(lambda x: np.array([stored(joint, own, x[0])]), np.array([1.1]))[0, 0]
-    assert -growth == pytest.approx(torques.spring + torques.latch_elastic, rel=1e-8)
-    assert may_be_stiff(own)
+    assert -growth == pytest.approx(torques.spring + torques.harness + torques.latch_elastic, rel=1e-8)
+    assert may_be_stiff(joint, own)
 
 
 def test_a_trajectory_and_its_file_have_every_torque(tmp_path: Any) -> None:

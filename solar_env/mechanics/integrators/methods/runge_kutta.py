@@ -50,6 +50,7 @@ class StiffForces(NamedTuple):
     joint: NDArray[np.int64]  # (joints,) indices
     stiffness: NDArray[np.float64]  # (joints,) along the gradient; 0 for a stop, whose damping alone is stiff
     damping: NDArray[np.float64]  # (joints,)
+    shares: NDArray[np.float64]  # (joints, 2) of the stop and of the damper in the damping; friction has the rest
     resistance: NDArray[np.float64]  # (joints,) damping with what the stiffness adds to it over a stage
     gradient: NDArray[np.float64]  # (joints, n) of angle or depth
     response: NDArray[np.float64]  # (joints, n) accelerations by a unit force
@@ -76,6 +77,7 @@ def make_stiff_forces(state: State) -> StiffForces:
         joint=np.zeros(joints, dtype=np.int64),
         stiffness=np.zeros(joints),
         damping=np.zeros(joints),
+        shares=np.zeros((joints, 2)),
         resistance=np.zeros(joints),
         gradient=np.zeros((joints, n)),
         response=np.zeros((joints, n)),

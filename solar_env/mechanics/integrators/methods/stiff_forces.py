@@ -22,9 +22,9 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, spin
 from solar_env.mechanics.equations.constraints import prepare_response
 from solar_env.mechanics.equations.system import acceleration_response, accelerations
-from solar_env.mechanics.joints import torques
 from solar_env.mechanics.joints.contact import contact_motion, friction_share, normal_force
 from solar_env.mechanics.joints.joint import joint_motion, penetration, relative
+from solar_env.mechanics.joints.torques import hinge
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
 from solar_env.mechanics.records.history import IMPACT_DURATIONS
@@ -100,7 +100,7 @@ def may_be_stiff(model, state):
     joint_states = state.joints
     for j in range(joint_states.size):
         joint_state = joint_states[j]
-        found = found or (torques.may_be_stiff(joint_state) if flexible else lasts(joint_state, time))
+        found = found or (hinge.may_be_stiff(model.joints[j], joint_state) if flexible else lasts(joint_state, time))
     return found
 
 
@@ -117,10 +117,11 @@ def collect(model, state, work, stiff, h):
     count, prepared = np.int64(0), False
     for j in range(joints.size):
         joint, joint_state = joints[j], state.joints[j]
-        stiffness, damping = 0.0, 0.0
-        if flexible and torques.may_be_stiff(joint_state):
+        stiffness, damping, stop_damping = 0.0, 0.0, 0.0
+        if flexible and hinge.may_be_stiff(joint, joint_state):
             angle, rate, _, _ = joint_motion(joint, markers, q, v)
-            damping = -torques.hinge_torques(joint, joint_state, angle, rate).by_rate
+            torques = hinge.hinge_torques(joint, joint_state, angle, rate)
+            damping, stop_damping = -torques.by_rate, -torques.latch_by_rate
         elif not flexible and lasts(joint_state, state.clock[0].time):
             depth, rate = penetration(joint, markers, q, v)
             _, _, stiffness, damping = normal_force(joint, depth, rate, joint_state.impact_speed)
@@ -146,6 +147,8 @@ def collect(model, state, work, stiff, h):
                 continue
         elif h * damping * inverse_mass < _STIFF_DAMPING:
             continue
+        if flexible:
+            stiff.shares[count, 0], stiff.shares[count, 1] = stop_damping / damping, joint.damping / damping
         stiff.joint[count] = j
         stiff.stiffness[count] = stiffness
         stiff.damping[count] = damping
@@ -250,8 +253,12 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
         if stiff.stiffness[i] > 0.0:
             add_force_to_powers(power[stage], first, force)
         else:
-            # What the stop takes with the torque that the step goes by, not the one that the stage's speed would give.
-            power[stage, first + m.LATCH_DISSIPATION] += force * product(stiff.gradient[i], velocity[stage])
+            # What stop and damper take with the torque that the step goes by, not the one of the stage's speed.
+            taken = force * product(stiff.gradient[i], velocity[stage])
+            stop, damper = stiff.shares[i, 0], stiff.shares[i, 1]
+            power[stage, first + m.LATCH_DISSIPATION] += stop * taken
+            power[stage, first + m.DAMPER_DISSIPATION] += damper * taken
+            power[stage, first + m.HINGE_FRICTION_DISSIPATION] += (1.0 - stop - damper) * taken
     for i in range(count):
         if stiff.stiffness[i] > 0.0:
             stiff.closing[stage, i] = product(stiff.gradient[i], a)

@@ -1,0 +1,57 @@
+"""A joint and a panel of the array, as the mechanism is built of them."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+@dataclass(frozen=True)
+class JointRow:
+    """A joint, by its index from the root on, and the panel that it carries.
+
+    Attributes:
+        inboard, panel: indices, among the bodies of the mechanism, of what bears it and of the panel.
+        sign: 1 if the panel opens counter-clockwise, -1 if clockwise.
+        fold_angle: from the folded position to the one in line with what bears it [rad].
+        lock_angle: at which it latches or stops, from the folded position [rad].
+    """
+
+    index: int
+    inboard: int
+    panel: int
+    sign: int
+    fold_angle: float
+    lock_angle: float
+
+    @property
+    def name(self) -> str:
+        """The joint as tables name it."""
+        return f"joint {self.index + 1}"
+
+
+class PanelRow(NamedTuple):
+    """A panel, by its index from the root on.
+
+    Attributes:
+        length, thickness: [m].
+        linear_density: mass per length [kg/m].
+        axial_stiffness: E A [N].
+        bending_stiffness: E I [N m2].
+        damping: retardation time of the material [s].
+    """
+
+    length: float
+    thickness: float
+    linear_density: float
+    axial_stiffness: float
+    bending_stiffness: float
+    damping: float
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg]."""
+        return self.linear_density * self.length
+
+    @property
+    def inertia(self) -> float:
+        """Moment of inertia about the centre of mass [kg m2]."""
+        return self.mass * (self.length**2 + self.thickness**2) / 12.0

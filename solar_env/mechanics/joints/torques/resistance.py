@@ -1,0 +1,24 @@
+"""Torques that resist the turning of a hinge: viscous damper, and dry friction."""
+
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.vectors import square_roots
+
+
+@kernel
+def damping_torque(joint, rate):
+    """Torque of the damper [N m], viscous or of eddy currents, and its slope by the rate [N m s/rad]."""
+    return -joint.damping * rate, -joint.damping + 0.0 * rate
+
+
+@kernel
+def friction_torque(joint, rate):
+    """Torque of dry friction [N m], and its slope by the rate [N m s/rad].
+
+    Coulomb's, smooth through the reversal: r / sqrt(r^2 + r0^2) of it, at a rate r beside the ramp rate r0.
+    """
+    if joint.friction_torque == 0.0:
+        return 0.0 * rate, 0.0 * rate
+    square = joint.friction_ramp_rate * joint.friction_ramp_rate
+    size = square_roots(rate * rate + square)
+    torque = -joint.friction_torque * rate / size
+    return torque, -joint.friction_torque * square / (size * size * size)

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,29 @@ from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, 
 def _turning(spin: float, arm: Point) -> Point:
     """Velocity of the end of an arm that turns about its other end."""
     return (-spin * arm[1], spin * arm[0])
+
+
+def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mechanism:
+    """Describe the array at rest with every joint at its lock angle, where a linear spring as stiff as the latch holds.
+
+    Joints are ideal, without play and friction: what is asked of it are vibrations of small amplitude.
+    """
+    p = parameters.with_changes({"initial_spin": 0.0, "initial_rate": 0.0})
+    folded, directions = build(p, ModelLevel.of(model)), [0.0]
+    hinge, bodies = (p.hinge_x, p.hinge_y), [folded.bodies[0]]
+    for row, panel in zip(p.joints, folded.bodies[1:], strict=True):
+        angle = directions[row.inboard] + row.sign * (row.lock_angle - row.fold_angle)
+        directions.append(angle)
+        bodies.append(replace(panel, position=hinge, angle=angle))
+        length = p.by_joint("panel_length", row.index)
+        hinge = (hinge[0] + length * math.cos(angle), hinge[1] + length * math.sin(angle))
+    ideal = dict.fromkeys(("stop", "lock_angle", "stow_angle", "release_time", "release_after", "bearing"))
+    bare: dict[str, Any] = {**ideal, "spring_table": (), "harness": (), "damping": 0.0, "friction_torque": 0.0}
+    joints = tuple(
+        replace(joint, **bare, spring=Spring(p.by_joint("latch_stiffness", row.index), row.lock_angle))
+        for row, joint in zip(p.joints, folded.joints, strict=True)
+    )
+    return replace(folded, bodies=tuple(bodies), joints=joints)
 
 
 def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearance") -> Mechanism:

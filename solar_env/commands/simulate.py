@@ -6,12 +6,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import tyro
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from solar_env.array import ModelLevel, build
+from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
+from solar_env.array.motorization import motorization
 from solar_env.commands.arguments import ArrayOption, Assignments, QuietOption
 from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import counting_bar
@@ -89,6 +92,8 @@ def run_command(args: Args) -> int:
         print()
     else:
         _print_summary(summary)
+        if (latched := int(np.isfinite(trajectory.latch_times).sum())) < len(trajectory.latch_times):
+            print(_unlatched(parameters, trajectory.angles[-1], latched, args.duration))
         if args.json:
             write_text(args.json, json.dumps(summary, indent=2) + "\n")
     if args.out:
@@ -96,6 +101,16 @@ def run_command(args: Args) -> int:
     if args.plot:
         plots.plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if level.flexible else None)
     return 0
+
+
+def _unlatched(parameters: ArrayParameters, angles: NDArray[np.float64], latched: int, duration: float) -> str:
+    """State that joints have not latched, and why as far as their springs tell."""
+    joints = parameters.joints
+    text = f"{latched or 'None'} of {len(joints)} joints latched within {duration:g} s: "
+    weak = [str(hinge) for hinge in motorization(parameters)[: len(joints)] if hinge.stalls_at is not None]
+    pairs = zip(joints, angles, strict=True)
+    ends = (f"{row.name} is at {angle:.3g} of {row.lock_angle:.3g} rad" for row, angle in pairs)
+    return text + ("; ".join(weak) if weak else f"{', '.join(ends)}; simulate longer") + "."
 
 
 def _print_summary(summary: dict[str, object]) -> None:

@@ -25,6 +25,7 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "slack-cable": stops.slack_cable,
     "stops": stops.swings_into_stops,
     "rigid-array": deployments.rigid_array_motion,
+    "deployed-frequencies": deployments.deployed_frequencies,
     "latch-times": deployments.latch_times,
     "clearance-limit": deployments.clearance_limit,
     "rigid-limit": deployments.rigid_limit,

@@ -130,6 +130,8 @@ joint_state_type = record(
         ("release_time", np.float64),  # of that; infinite while it is not known
         ("latched", np.int64),
         ("latch_time", np.float64),
+        ("latch_rate", np.float64),  # of the joint's angle, then
+        ("peak_latch_torque", np.float64),  # at the ends of the steps since then
         ("stop_engaged", np.int64),  # whether the latch's or the stow stop's torque is evaluated
         ("motor_torque", np.float64),  # input, set between calls
     ]

@@ -47,6 +47,7 @@ from solar_env.mechanics.records.history import (
     has_parted,
     next_release,
     note_force,
+    note_latch_torque,
     parting_time,
     release_joints,
     release_stop,
@@ -133,6 +134,7 @@ def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
     for j in range(model.joints.size):
         joint, joint_state, motion = model.joints[j], state.joints[j], arrays.motion[j]
         if joint_state.stop_engaged and j != event_joint:
+            note_latch_torque(joint, joint_state, motion.angle, motion.rate)
             release_stop(joint, joint_state, motion.angle, motion.rate)
         if joint.kind != m.CLEARANCE:
             note_force(joint_state, motion.force, latched)

@@ -3,7 +3,7 @@
 import math
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.torques.stop import stop_depth, stop_energy
+from solar_env.mechanics.joints.torques.stop import stop_depth, stop_energy, stop_torque
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import record_contact
@@ -32,13 +32,16 @@ def note_force(joint_state, force, postlock):
 
 
 @kernel(inlined=False)
-def latch(joints, state, j, time):
-    """Latch joint `j` for good. The first latching starts the post-lock record of every joint."""
+def latch(joints, state, j, time, rate):
+    """Latch joint `j` for good, at a time [s] and a rate of its angle [rad/s].
+
+    The first latching starts the post-lock record of every joint.
+    """
     for k in range(joints.size):
         if joints[k].released_by == j:
             state.joints[k].release_time = time + joints[k].release_time
     state.joints[j].latched = 1
-    state.joints[j].latch_time = time
+    state.joints[j].latch_time, state.joints[j].latch_rate = time, rate
     if state.clock[0].latched_joints == 0:
         for k in range(state.joints.size):
             state.joints[k].lock_impulse = state.integrals[m.INTEGRALS_PER_JOINT * k + m.IMPULSE]
@@ -58,6 +61,14 @@ def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
     radius = joint.journal_radius
     add_wear(state.wear_journal[j], journal[0], half, journal[1], worn_section, radius)
     add_wear(state.wear_bearing[j], bearing[0], half, bearing[1], worn_section, radius + joint.clearance)
+
+
+@kernel
+def note_latch_torque(joint, joint_state, angle, rate):
+    """Raise the greatest torque of a latch to that at an angle [rad] and a rate [rad/s]."""
+    if joint_state.latched:
+        torque, _, _, _ = stop_torque(joint, joint_state, angle, rate)
+        joint_state.peak_latch_torque = max(joint_state.peak_latch_torque, abs(torque))
 
 
 @kernel

@@ -59,6 +59,9 @@ class Trajectory:
         contacts: structured array of all contacts in the order of their ends; those still open come last, with
             end_s = nan.
         latch_times: (nj,) nan if not latched.
+        latch_rates: (nj,) rates of the joint angles then [rad/s]; nan if not latched.
+        peak_latch_torque: (nj,) greatest torque of the latch, or of the stop at the lock angle [N m], over the ends of
+            all accepted steps.
         peak_force, postlock_peak_force: (nj,) over all accepted steps; post-lock counts from the first latching. With
             flexible panels and ideal joints the former has no limit: springs that act from one moment on send a wave
             into the panels, and the finer these are, the greater the reaction in its first tenth of a millisecond.
@@ -96,6 +99,8 @@ class Trajectory:
     wear_bearing: Array
     contacts: NDArray[np.void]
     latch_times: Array
+    latch_rates: Array
+    peak_latch_torque: Array
     peak_force: Array
     postlock_peak_force: Array
     postlock_impulse: Array
@@ -141,6 +146,8 @@ class Trajectory:
             "status": "completed",
             "duration_s": float(self.time[-1] - self.time[0]),
             "latch_times_s": plain(self.latch_times),
+            "latch_rates_rad_s": plain(self.latch_rates),
+            "peak_latch_torque_Nm": plain(self.peak_latch_torque),
             "peak_contact_force_N": plain(self.peak_force),
             "peak_postlock_force_N": plain(self.postlock_peak_force),
             "postlock_impulse_Ns": plain(self.postlock_impulse),
@@ -198,8 +205,8 @@ class Trajectory:
 
 
 _BY_JOINT = (
-    "latch_times", "peak_force", "postlock_peak_force", "postlock_impulse", "postlock_sliding_work", "contact_starts",
-    "clearance", "journal_radius", "wear_journal", "wear_bearing",
+    "latch_times", "latch_rates", "peak_latch_torque", "peak_force", "postlock_peak_force", "postlock_impulse",
+    "postlock_sliding_work", "contact_starts", "clearance", "journal_radius", "wear_journal", "wear_bearing",
 )  # fmt: skip
 
 
@@ -287,6 +294,8 @@ def assemble(
         wear_bearing=state.wear_bearing.copy(),
         contacts=contacts,
         latch_times=state.joints["latch_time"].copy(),
+        latch_rates=np.where(state.joints["latched"] != 0, state.joints["latch_rate"], math.nan),
+        peak_latch_torque=state.joints["peak_latch_torque"].copy(),
         peak_force=state.joints["peak_force"].copy(),
         postlock_peak_force=state.joints["postlock_peak_force"].copy(),
         postlock_impulse=(final[:, m.IMPULSE] - state.joints["lock_impulse"]) * locked,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, ModelLevel, ParameterFile
+from solar_env.array.motorization import motorization
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.failures import told
 from solar_env.studies.common.motion import FINEST, Level
@@ -122,9 +123,10 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
     levels = [run for run, _ in whole], [finest for _, finest in whole]
     unlatched = [sum(not run["latched"] for run in runs) for runs in levels]
     if min(unlatched) == len(whole):
+        stalled = [str(hinge) for hinge in motorization(plan.array.parameters) if hinge.stalls_at is not None]
         raise ValueError(
-            f"in none of {plan.members} runs all joints latch within {plan.deadline:g} s; give a longer --deadline, or "
-            "stiffer springs"
+            f"in none of {plan.members} runs all joints latch within {plan.deadline:g} s; "
+            f"{'; '.join(stalled) or 'give a longer --deadline, or stiffer springs'}"
         )
     figures = {}
     for name in QUANTITIES:

@@ -44,13 +44,17 @@ def _turn(deployment: Deployment) -> Array:
 _DEGREES = 180.0 / np.pi
 JOINT_QUANTITIES: Mapping[str, Quantity] = {
     "latch_time": Quantity("latches after", "s", lambda d: d.trajectory.latch_times),
-    "peak_force": Quantity("peak force", "N", lambda d: d.trajectory.peak_force, needs_latching=False),
-    "peak_torque": Quantity("peak torque", "N m", lambda d: d.peak_torque, needs_latching=False),
-    "impulse": Quantity("impulse after latching", "N s", lambda d: d.trajectory.postlock_impulse),
+    "latch_rate": Quantity("rate at the latch", "rad/s", lambda d: d.trajectory.latch_rates),
+    "latch_torque": Quantity("peak torque of the latch", "N m", lambda d: d.trajectory.peak_latch_torque),
+    "peak_force": Quantity("peak pin force", "N", lambda d: d.trajectory.peak_force, needs_latching=False),
+    "peak_torque": Quantity("peak torque of all together", "N m", lambda d: d.peak_torque, needs_latching=False),
+    "impulse": Quantity("momentum exchanged after latching", "N s", lambda d: d.trajectory.postlock_impulse),
     "impact_count": Quantity("impacts after latching", "", lambda d: np.array([len(x) for x in _impacts(d)], float)),
     "impact_speed_max": Quantity("fastest impact", "mm/s", _impact_speed(1.0), 1e3),
     "impact_speed_median": Quantity("median impact", "mm/s", _impact_speed(0.5), 1e3),
-    "sliding_work": Quantity("sliding work after latching", "mJ", lambda d: d.trajectory.postlock_sliding_work, 1e3),
+    "sliding_work": Quantity(
+        "sliding work, without friction's coefficient", "mJ", lambda d: d.trajectory.postlock_sliding_work, 1e3
+    ),
     "wear_depth": Quantity("deepest wear", "fm", lambda d: d.trajectory.wear_depth, 1e15),
 }
 # A hub feels the force of the first joint; its acceleration follows from it.

@@ -15,18 +15,20 @@ from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES,
 from solar_env.studies.loads.runs import FREQUENCIES, Deployment
 from solar_env.studies.loads.statistics import Figure, counted, rounded, shortened
 
-COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "model error")
+COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "discretisation error")
 WEAR_LIMIT = 1e-6  # m, to which deployments are counted
 MANY_DEPLOYMENTS = 1e5  # more than any array sees, ground tests included
 _SHOWN = slice(3, None, 6)  # of the frequencies, in the table
 
 
-def answer(loads: Loads) -> list[str]:
-    """Five lines: peak force, impulse, wear, hub, and what they rest on.
+def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
+    """State what sizes the hinges, pin force, momentum exchanged, wear, the hub's loads, and what they rest on.
 
-    Each figure comes with the interval of its mean, its high quantile and its model error.
+    After the first line come those of what was known before the runs, see `statics`. Each figure comes with the
+    interval of its mean, its high quantile and its discretisation error.
     """
-    worst = {name: _worst(loads.figures[name]) for name in ("peak_force", "impulse", "wear_depth")}
+    names = ("latch_torque", "latch_rate", "peak_force", "impulse", "wear_depth")
+    worst = {name: _worst(loads.figures[name]) for name in names}
     stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in worst.items()}
     joint, deepest = worst["wear_depth"]
     deployments = WEAR_LIMIT / deepest.mean if deepest.mean > 0.0 else math.inf
@@ -36,9 +38,14 @@ def answer(loads: Loads) -> list[str]:
         for name in ("hub_excursion", "hub_force", "hub_torque")
         for figure, quantity in [(loads.figures[name][0], QUANTITIES[name])]
     ]
+    stopped, (fastest, rate) = worst["latch_torque"][0], worst["latch_rate"]
     return [
-        f"Joint {worst['peak_force'][0]} is hit hardest: peak force {stated['peak_force']}.",
-        f"The impulse after latching is greatest at joint {worst['impulse'][0]}: {stated['impulse']}.",
+        f"The latch of joint {stopped} takes the greatest torque, on which a hinge is sized: {stated['latch_torque']}; "
+        f"joint {fastest} latches fastest, at {_with_interval(rate, QUANTITIES['latch_rate'])}.",
+        *before,
+        f"The pin of joint {worst['peak_force'][0]} is hit hardest: {stated['peak_force']}.",
+        f"Within {loads.plan.window:g} s of the last latching joint {worst['impulse'][0]} exchanges most momentum: "
+        f"{stated['impulse']}.",
         f"A deployment wears joint {joint} deepest: {stated['wear_depth']}; {negligible}{counted(deployments)} "
         "deployments to 1 micrometre, if every one wears the same place.",
         f"The hub turns by {hub[0]} at most and sees {hub[1]} and {hub[2]} at the peak.",
@@ -74,7 +81,7 @@ def _quantiles(figure: Figure, quantity: Quantity) -> tuple[str, str]:
 
 def _with_model_error(figure: Figure, quantity: Quantity) -> str:
     error = _model_error(figure, quantity)
-    return "model error unknown" if error == "-" else f"model error {error} {quantity.unit}"
+    return "discretisation error unknown" if error == "-" else f"discretisation error {error} {quantity.unit}"
 
 
 def _model_error(figure: Figure, quantity: Quantity) -> str:
@@ -102,10 +109,10 @@ def _basis(loads: Loads) -> str:
     if plan.members >= FEWEST:
         text += " \u00b1 is the 95 % interval of a mean."
     else:
-        text += f" Fewer than {FEWEST} runs have no interval and no model error."
+        text += f" Fewer than {FEWEST} runs have no interval and no discretisation error."
     text += (
-        f" Level: {level.name}; the model error of every figure is that seen at the finest level, {finest.name}: its "
-        "mean minus this one, over the same runs."
+        f" Level: {level.name}; the discretisation error of every figure is that seen at the finest level, "
+        f"{finest.name}: its mean minus this one, over the same runs."
     )
     if any(loads.unlatched):
         text += (
@@ -147,14 +154,14 @@ def _spectrum_rows(name: str, spectra: NDArray[np.float64]) -> Iterator[list[str
         yield [label, *map(shortened, level[_SHOWN])]
 
 
-def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str]) -> Page:
+def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
     """The page of an ensemble and of a deployment to look at, with notes as its last lines."""
     name = f"Nominal array, {loads.plan.levels[0].name}"
     charts = [*charts_of({name: nominal.trajectory}), *_hub_charts(nominal), *_spectra(loads)]
     motions = [motion_of(nominal.trajectory, name)]
     title = "How hard the hinges and the hub are hit"
     parameters = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
-    return Page(title, answer(loads), motions, charts, [*tables(loads), parameters], notes)
+    return Page(title, answer(loads, before), motions, charts, [*tables(loads), parameters], notes)
 
 
 def _hub_charts(nominal: Deployment) -> Iterator[Chart]:

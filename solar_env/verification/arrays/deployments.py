@@ -9,14 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
+from solar_env.array.construction import build_deployed
+from solar_env.mechanics.analysis.linearization import natural_frequencies
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.mechanism import Body, Mechanism
 from solar_env.mechanics.running.simulation import simulate
-from solar_env.verification.arrays.theory import MINIMAL, joint_angles_over_time, latch_time
+from solar_env.verification.arrays.theory import (
+    MINIMAL,
+    frequencies_on_latches,
+    joint_angles_over_time,
+    latch_time,
+)
 from solar_env.verification.beams.fields import momenta
 from solar_env.verification.checks import ARNOLD_BRULS, ENERGY, Check, compare
 
 REDUCED = "theta2 = 2 theta1: reduced equation of motion"
+MINIMAL_MASSES = "generalized eigenvalues of the mass matrix and the hinge springs in minimal coordinates"
 NO_LOADS = "no external force or moment acts"
 HINGE_SHIFT = "a hinge out of its place by c changes inertias, and the time, by the order of c / L"
 QUASI_STATIC = "quasi-static deflection under the inertia forces is proportional to 1 / E"
@@ -57,6 +65,21 @@ def rigid_array_motion() -> Iterator[Check]:
         opening = motion.time < np.nanmin(motion.latch_times, initial=math.inf)
         obtained = np.abs(motion.angles - joint_angles_over_time(parameters, times))[opening].max()
         yield Check(f"{name}: greatest difference of a joint angle [rad]", 0.0, obtained, 1e-9, MINIMAL)
+
+
+def deployed_frequencies() -> Iterator[Check]:
+    """Deployed arrays of rigid panels on their latches: frequencies of the chain's mass matrix and hinge springs."""
+    wing = ArrayParameters(panel_count=3, body_mass=120.0, body_inertia=12.8, cable_stiffness=0.0)
+    variants = (
+        ("two panels, hub held", ArrayParameters(body_fixed=True, cable_stiffness=0.0)),
+        ("three panels, hub free", wing),
+        ("a yoke, an angle between panels, hub free", replace(wing, panel_length=(0.3, 1.5), lock_angle=(1.2, 3.0))),
+    )
+    for name, parameters in variants:
+        found = natural_frequencies(build_deployed(parameters, "rigid-ideal"))[-parameters.panel_count :]
+        expected = frequencies_on_latches(parameters)
+        pairs = zip(map(str, range(1, 9)), expected, found, strict=False)
+        yield from compare(pairs, f"{name}: frequency {{}} [Hz]", 1e-9, MINIMAL_MASSES, relative=True)
 
 
 def latch_times() -> Iterator[Check]:

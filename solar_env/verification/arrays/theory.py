@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
+from scipy.linalg import eigh
 
 from solar_env.array import ArrayParameters
 
@@ -191,6 +192,19 @@ def joint_angles_over_time(p: ArrayParameters, times: list[float]) -> NDArray[np
 
     solution = chain.solve(start, torques, times)
     return (solution.y[: len(start)].T - start) @ matrix.T
+
+
+def frequencies_on_latches(p: ArrayParameters) -> Array:
+    """(panels,) frequencies [Hz] of the deployed array, whose joints are sprung by the stiffness of their latches."""
+    chain, matrix = make_chain(p), hinge_map(p)
+    deployed = folded_angles(p) + np.append(
+        [] if p.body_fixed else 0.0, np.cumsum([j.sign * j.lock_angle for j in p.joints])
+    )
+    stiffness = np.zeros((chain.size, chain.size))
+    links = len(chain.links)
+    stiffness[:links, :links] = matrix.T @ np.diag(p.for_each_joint("latch_stiffness")) @ matrix
+    squares = eigh(stiffness, chain.mass_matrix(deployed), eigvals_only=True)[-p.panel_count :]
+    return np.asarray(np.sqrt(squares) / (2.0 * math.pi))
 
 
 def latch_time(p: ArrayParameters) -> float:

@@ -23,6 +23,8 @@ JOINTS, SAMPLES, BINS = 2, 201, 360
 # Figures of the summary that are lists by joint, and the attributes that hold them.
 PLAIN_LISTS = {
     "latch_times_s": "latch_times",
+    "latch_rates_rad_s": "latch_rates",
+    "peak_latch_torque_Nm": "peak_latch_torque",
     "peak_contact_force_N": "peak_force",
     "peak_postlock_force_N": "postlock_peak_force",
     "postlock_impulse_Ns": "postlock_impulse",

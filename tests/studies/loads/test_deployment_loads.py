@@ -186,13 +186,13 @@ def loads():
     return ensemble.gathered(plan, results)
 
 
-def test_five_lines_answer_and_tables_hold_every_quantity(loads):
+def test_six_lines_answer_and_tables_hold_every_quantity(loads):
     lines = answer(loads)
-    assert len(lines) == 5
-    assert lines[0].startswith("Joint ")
-    assert "Level: rigid-clearance; the model error of every figure" in lines[4]
-    assert "4 runs of each level" in lines[4]
-    assert "clearance" in lines[4]
+    assert len(lines) == 6
+    assert lines[0].startswith("The latch of joint ")
+    assert "Level: rigid-clearance; the discretisation error of every figure" in lines[5]
+    assert "4 runs of each level" in lines[5]
+    assert "clearance" in lines[5]
     names = [row[0] for table in tables(loads)[:2] for row in table.rows]
     assert names == 2 * [quantity.name for quantity in JOINT_QUANTITIES.values()]
     assert all(len(row) == len(table.columns) for table in tables(loads) for row in table.rows)
@@ -207,24 +207,24 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
         + [Figure(55.024, 54.94, 55.1, 55.6, 55.8, -1.13, 0.07, 16)],
         "wear_depth": [Figure(3.02e-14, 2.9e-14, 3.14e-14, 3.8e-14, 4.2e-14, 3e-15, 2e-15, 16)],
     }
-    force, impulse, wear, _, basis = answer(replace(loads, figures=loads.figures | first))
+    _, force, impulse, wear, _, basis = answer(replace(loads, figures=loads.figures | first))
     assert force == (
-        "Joint 1 is hit hardest: peak force 222 \u00b1 8 N, 99 % of deployments stay below 270 N (with 95 % confidence "
-        "below 290 N), model error +10 \u00b1 11 N."
+        "The pin of joint 1 is hit hardest: 222 \u00b1 8 N, 99 % of deployments stay below 270 N (with 95 % confidence "
+        "below 290 N), discretisation error +10 \u00b1 11 N."
     )
     assert impulse == (
-        "The impulse after latching is greatest at joint 3: 55.02 \u00b1 0.08 N s, 99 % of deployments stay below "
-        "55.60 N s (with 95 % confidence below 55.80 N s), model error -1.13 \u00b1 0.07 N s."
+        "Within 0.5 s of the last latching joint 3 exchanges most momentum: 55.02 \u00b1 0.08 N s, 99 % of deployments "
+        "stay below 55.60 N s (with 95 % confidence below 55.80 N s), discretisation error -1.13 \u00b1 0.07 N s."
     )
     assert "30.2 \u00b1 1.2 fm" in wear
-    assert "model error +3 \u00b1 2 fm; which is negligible: 33,000,000 deployments to 1 micrometre," in wear
-    assert "the model error of every figure is that seen at the finest level" in basis
+    assert "discretisation error +3 \u00b1 2 fm; which is negligible: 33,000,000 deployments to 1 micrometre," in wear
+    assert "the discretisation error of every figure is that seen at the finest level" in basis
     undrawn = replace(loads.plan, array=ParameterFile(loads.plan.array.parameters, {}))
     assert "those of the release alone, which is assumed" in answer(replace(loads, plan=undrawn))[-1]
     nan = math.nan
     alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, 1),)
-    line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}))[0]
-    assert line == "Joint 1 is hit hardest: peak force 220 N, model error unknown."
+    line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}))[1]
+    assert line == "The pin of joint 1 is hit hardest: 220 N, discretisation error unknown."
 
 
 def test_great_numbers_are_told_in_two_digits():

@@ -1,0 +1,123 @@
+"""Motorization: the torque that drives each hinge over the torque that resists it, before anything is run.
+
+ECSS-E-ST-33-01C Rev. 2 (2019), clause 4.7.5.3, asks of a mechanism for an actuation torque of twice the sum of its
+resistances, each times a factor for its uncertainty, which is smaller where the resistance has been measured.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array.parameters import ArrayParameters
+from solar_env.array.parameters.rows import JointRow
+from solar_env.support.values import check_name, check_positive
+
+Array = NDArray[np.float64]
+
+MARGIN = 2.0
+# Uncertainty factors of resistances that have not been measured (table 4-2 there); measured, friction and harness have
+# 1.5.
+FACTORS: Mapping[str, float] = {"spring": 1.2, "friction": 3.0, "harness": 3.0, "damper": 3.0}
+_ANGLES = 201  # at which torques are compared
+UNHURRIED = 60.0  # s, in which a hinge opens at the rate at which its damper is counted
+
+
+@dataclass(frozen=True)
+class Motorization:
+    """Torques of one hinge over its opening, or of all hinges that cable loops hold together.
+
+    Attributes:
+        name: of the joint.
+        angles: from the folded position to the lock [rad].
+        driving: torque of spring and harness where it opens [N m].
+        resisting: sum of the resistances [N m].
+        asked: driving torque that the standard asks for [N m].
+    """
+
+    name: str
+    angles: Array
+    driving: Array
+    resisting: Array
+    asked: Array
+
+    @property
+    def ratio(self) -> tuple[float, float]:
+        """Least ratio of the driving torque to that asked for, and the angle at which it occurs [rad]."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.where(self.asked > 0.0, self.driving / self.asked, np.inf)
+        worst = int(np.argmin(ratios))
+        return float(ratios[worst]), float(self.angles[worst])
+
+    @property
+    def stalls_at(self) -> float | None:
+        """First angle before the lock at which no driving torque is left [rad]; None where there always is some."""
+        stalled = (self.driving <= self.resisting) & (self.angles < self.angles[-1])
+        return float(self.angles[np.argmax(stalled)]) if stalled.any() else None
+
+    def __str__(self) -> str:
+        """State the finding in a sentence."""
+        ratio, angle = self.ratio
+        if self.stalls_at is not None:
+            return f"{self.name} has no torque left from {self.stalls_at:.3g} rad on"
+        if np.isinf(ratio):
+            return f"{self.name} has nothing to overcome"
+        return f"{self.name} has {ratio:.2f} of the torque asked for, least at {angle:.3g} rad"
+
+
+def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None = None) -> tuple[Motorization, ...]:
+    """Compare driving and resisting torques of every hinge, and of all together where cable loops share them.
+
+    Args:
+        parameters: of the array; without the motor, and without the friction of the journals, which has no load yet.
+        factors: changes to FACTORS.
+
+    Raises:
+        ValueError: A factor is unknown, or not positive.
+    """
+    for name, value in (factors or {}).items():
+        check_name("uncertainty factor", name, FACTORS)
+        check_positive(name, value)
+    used = {**FACTORS, **(factors or {})}
+    hinges = tuple(_hinge(parameters, joint, used) for joint in parameters.joints)
+    loops = len(hinges) > 1 and min(parameters.for_each_joint("cable_stiffness")) > 0.0
+    return (*hinges, _together(hinges)) if loops else hinges
+
+
+def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) -> Motorization:
+    k, angles = joint.index, np.linspace(0.0, joint.lock_angle, _ANGLES)
+    spring = p.by_joint("spring_stiffness", k) * (p.by_joint("spring_preload_angle", k) - angles)
+    spring, harness = (
+        torque + _tabulated(p.table(name, k), angles)
+        for torque, name in ((spring, "spring_torque"), (np.zeros(_ANGLES), "harness_torque"))
+    )
+    friction, damping = p.by_joint("hinge_friction_torque", k), p.by_joint("hinge_damping", k)
+    resistances = {
+        "spring": np.maximum(-spring, 0.0),
+        "friction": np.full(_ANGLES, friction),
+        "harness": np.maximum(-harness, 0.0),
+        "damper": np.full(_ANGLES, damping * joint.lock_angle / UNHURRIED),
+    }
+    asked = MARGIN * sum(factors[name] * torque for name, torque in resistances.items())
+    driving = np.maximum(spring, 0.0) + np.maximum(harness, 0.0)
+    return Motorization(joint.name, angles, driving, sum(resistances.values(), np.zeros(_ANGLES)), np.asarray(asked))
+
+
+def _tabulated(table: tuple[tuple[float, float], ...], angles: Array) -> Array:
+    from scipy.interpolate import PchipInterpolator
+
+    if len(table) < 2:
+        return np.full(angles.shape, table[0][1] if table else 0.0)
+    return np.asarray(PchipInterpolator(*np.array(table).T)(angles))
+
+
+def _together(hinges: tuple[Motorization, ...]) -> Motorization:
+    """All hinges by the angle of the first: their loops keep the angles in the ratio of the lock angles."""
+    first = hinges[0].angles
+    total = [
+        sum(getattr(hinge, name) * (hinge.angles[-1] / first[-1]) for hinge in hinges)
+        for name in ("driving", "resisting", "asked")
+    ]
+    return Motorization("the array, through its cable loops,", first, *map(np.asarray, total))

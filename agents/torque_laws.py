@@ -116,6 +116,8 @@ class TorqueLaw(DeterministicController):
     """Entries of the observation that the law needs."""
 
     def __init__(self, signals: Signals) -> None:
+        if not isinstance(signals.driven_joint, int):
+            raise ValueError(f"driven_joint = {signals.driven_joint!r}: laws drive one hinge; name one, or train")
         if signals.action != "torque":
             raise ValueError(
                 f"{type(self).__name__} is a law of the torque, but the environment's action is {signals.action!r}; "

@@ -55,7 +55,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     more need a greater `rate_loop_gain`. After the last latching the drive alone brings the array to
     rest: it asks for a rate of 0, and the step in which the array latches lasts until the episode ends.
 
-    With `action="torque"` an action is the motor's torque in units of the limit, positive opens.
+    With `action="torque"` an action is the motor's torque in units of the limit, positive opens. With several driven
+    joints, such as `driven_joint=(0, 1)`, each has a motor, a loop and an entry of the action, in that order.
 
     ## Observation Space
 

@@ -64,7 +64,7 @@ class EnvironmentSettings:
     control_period: float | None = None
     deadline: float | None = None
     settling_window: float | None = None
-    driven_joint: int = Task.driven_joint
+    driven_joint: int | tuple[int, ...] = Task.driven_joint
     action: str | None = None
     observation: str | Names | None = None
     reward: Changes | RewardFunction | None = None
@@ -149,18 +149,18 @@ class EnvironmentSettings:
         given = {item.name: plain(getattr(self, item.name, None)) for item in fields(Task)}
         usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
-        if task.driven_joint >= len(self.array.joints):
+        if max(task.driven_joints) >= len(self.array.joints):
             raise ValueError(
                 f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count!r}: the "
                 "root has index 0"
             )
         if self.torque_limit is None and self.devices.load_compensation:
             # The maker of a drive that is to hold the springs' load chooses the motor by it.
-            load, _ = spring_load(self.array, task.driven_joint)
+            load, driven = max((spring_load(self.array, joint)[0], joint) for joint in task.driven_joints)
             usual_load, _ = spring_load(ArrayParameters(), 0)
             if load <= 0.0:
                 raise ValueError(
-                    f"the springs exert {load:.3g} N m on joint {task.driven_joint + 1}, folded, and do not open it: "
+                    f"the springs exert {load:.3g} N m on joint {driven + 1}, folded, and do not open it: "
                     "give torque_limit, which otherwise follows from their load"
                 )
             task = replace(task, torque_limit=task.torque_limit * load / usual_load)
@@ -171,7 +171,7 @@ class EnvironmentSettings:
     def entries(self) -> tuple[Entry, ...]:
         """Entries of an observation, in order."""
         observation = VERSIONS[self.version].observation if self.observation is None else self.observation
-        return observation_entries(len(self.array.joints), observation)
+        return observation_entries(len(self.array.joints), observation, self.task.driven_joints)
 
     @property
     def observation_names(self) -> tuple[str, ...]:

@@ -40,7 +40,7 @@ SURFACE = {
     "control_period": (0.1, 0.25),
     "deadline": (1.0, 3.0),
     "settling_window": (0.5, 1.0),
-    "driven_joint": (0, 1),
+    "driven_joint": (0, 1, (1, 0)),
     "action": ("torque", "log_rate"),
     "observation": ("drive", "history", "privileged", ["theta", "rate_2_ago", "latched"]),
     "reward": ({"wear": 0.0}, {"motor_work": 0.05}, force_alone),
@@ -94,6 +94,7 @@ class Combined(RuleBasedStateMachine):
         self.singles = [
             RecordTrajectory(gymnasium.make(DEPLOY, parameters=designs[i], **given).unwrapped, STEP) for i in lanes
         ]
+        self.shares = np.array([1.0, -0.7])[: self.vector.single_action_space.shape[0]]  # of an action, by motor
         self.elapsed, self.ended = [0 for _ in lanes], [False for _ in lanes]
         self.seen = [None for _ in lanes]
         self.reset(seed)
@@ -117,7 +118,7 @@ class Combined(RuleBasedStateMachine):
     @precondition(lambda self: not (self.mode is AutoresetMode.DISABLED and any(self.ended)))
     @rule(actions=st.lists(st.sampled_from((-1.0, -0.3, 0.0, 0.9)), min_size=3, max_size=3))
     def step(self, actions):
-        given = np.array(actions[: len(self.singles)], np.float32)[:, np.newaxis]
+        given = np.outer(actions[: len(self.singles)], self.shares).astype(np.float32)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             observations, rewards, terminations, truncations, infos = self.vector.step(given)
@@ -176,9 +177,9 @@ class Combined(RuleBasedStateMachine):
         clone, futures = pickle.loads(pickle.dumps(single)), single.unwrapped.futures(2)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            failures = futures.attempt(np.arange(2), np.array([[action], [0.0]]))
+            failures = futures.attempt(np.arange(2), np.outer([action, 0.0], self.shares))
             try:
-                observed, reward, terminated, *_ = clone.step([action])
+                observed, reward, terminated, *_ = clone.step(action * self.shares)
             except SimulationError:
                 assert 0 in failures
                 return
@@ -198,7 +199,7 @@ class Combined(RuleBasedStateMachine):
     @rule(call=st.sampled_from(REFUSED), single=st.booleans())
     def refuse(self, call, single):
         env = self.singles[0] if single else self.vector
-        shape = (1,) if single else (len(self.singles), 1)
+        shape = self.shares.shape if single else (len(self.singles), self.shares.size)
         times, before = self.vector.episodes.times, pickle.dumps(env.unwrapped.np_random)
         with pytest.raises((ValueError, TypeError, gymnasium.error.Error)):
             call(env, shape)

@@ -42,7 +42,7 @@ def test_two_keywords_are_kept_together_or_refused_by_their_names(given):
         observations, _ = env.reset(seed=0)
         for _ in range(3):
             assert env.observation_space.contains(observations)
-            observations, rewards, *_ = env.step(np.zeros((2, 1), np.float32))
+            observations, rewards, *_ = env.step(np.zeros(env.action_space.shape, np.float32))
     assert np.isfinite(rewards).all()
     unwrapped = env.unwrapped
     for name in ("torque_limit", "control_period", "deadline", "settling_window", "driven_joint", "action"):

@@ -33,6 +33,7 @@ class Observable(NamedTuple):
         low, high: bounds in the unit, to which it is clipped.
         code: of `reading`.
         by_joint: whether there is one entry a joint.
+        by_motor: whether there is one entry a motor.
         noise: name of the standard deviation in `Hardware`; None where the reading is exact.
         encoder: whether it is read in steps of `Hardware.encoder_resolution`.
         delayed: whether it is shown `Hardware.sensor_delay` control periods late.
@@ -48,13 +49,14 @@ class Observable(NamedTuple):
     noise: str | None = None
     encoder: bool = False
     delayed: bool = False
+    by_motor: bool = False
 
 
 OBSERVABLES = (
     Observable("theta", "joint angle: 0 folded, 1 locked", LOCK_ANGLE, -2, 2, THETA, True, "angle_noise", True, True),
     Observable("rate", "rate of the joint angle", "rad/s", -5.0, 5.0, RATE, True, "rate_noise", False, True),
     Observable("latched", "latch switch", "0 or 1", 0.0, 1.0, LATCHED, True, delayed=True),
-    Observable("motor_torque", "torque in the last period", "torque_limit", -1.0, 1.0, MOTOR_TORQUE),
+    Observable("motor_torque", "torque in the last period", "torque_limit", -1.0, 1.0, MOTOR_TORQUE, by_motor=True),
     Observable("time_to_deadline", "time left", "deadline", 0.0, 1.0, TIME_TO_DEADLINE),
     Observable(
         "time_since_latch", "time since the last latching", "settling_window", 0.0, 1.0, TIME_SINCE_LATCH, delayed=True
@@ -68,7 +70,10 @@ OBSERVABLES = (
         *(MAIN_BODY_ANGLE, False, "attitude_noise", False, True),
     ),
     Observable("time", "time since release", "deadline", 0.0, 3.0, TIME),
-    Observable("log_setpoint", 'of "log_rate": u, the logarithm of the setpoint', "4.5", -1.0, 1.0, LOG_SETPOINT),
+    Observable(
+        *("log_setpoint", 'of "log_rate": u, the logarithm of the setpoint', "4.5", -1.0, 1.0, LOG_SETPOINT),
+        by_motor=True,
+    ),
     Observable("recent_peak_force", "greatest force in the last period", "kN", 0.0, 10.0, RECENT_PEAK_FORCE, True),
 )
 
@@ -88,20 +93,24 @@ OBSERVATIONS: dict[str, Names] = {
 
 
 class Entry(NamedTuple):
-    """One entry of an observation: its joint, 0 where there is one entry for the array, and its age [periods]."""
+    """One entry of an observation: its joint or motor, 0 where there is one for the array, and its age [periods].
+
+    Its name has the number of the joint, from 1; none where there is one entry for the array.
+    """
 
     observable: Observable | Feature
     joint: int
     age: int
+    number: int | None
 
     @property
     def name(self) -> str:
-        """Name, with the number of the joint, from 1, and the age."""
-        joint = f"_{self.joint + 1}" if self.observable.by_joint else ""
+        """Name, with the number of the joint and the age."""
+        joint = f"_{self.number}" if self.number else ""
         return f"{self.observable.name}{joint}" + (f"_{self.age}_ago" if self.age else "")
 
 
-def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, ...]:
+def observation_entries(joints: int, observation: str | Names, driven: Sequence[int] = (0,)) -> tuple[Entry, ...]:
     """Entries of an observation, in order: of one of `OBSERVATIONS`, or of a list of names.
 
     A list has names of `OBSERVABLES`, of `FEATURES`, and of `OBSERVATIONS` for all that these list; "theta_2_ago" is
@@ -121,7 +130,13 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
     for names in itertools.chain(*listed):
         rows = [_observable(name) for name in (names if isinstance(names, (tuple, list)) else (names,))]
         for joint in range(joints):
-            entries += [Entry(row, joint, age) for row, age in rows if row.by_joint or joint == 0]
+            for row, age in rows:
+                if row.by_joint:
+                    entries.append(Entry(row, joint, age, joint + 1))
+                elif isinstance(row, Observable) and row.by_motor and joint in driven:
+                    entries.append(Entry(row, driven.index(joint), age, joint + 1 if len(driven) > 1 else None))
+                elif joint == 0 and not (isinstance(row, Observable) and row.by_motor):
+                    entries.append(Entry(row, 0, age, None))
     if not entries or len(set(entries)) < len(entries):
         raise ValueError(f"observation = {observation!r} must list at least one name, and each only once")
     return tuple(entries)

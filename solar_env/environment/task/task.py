@@ -30,7 +30,8 @@ class Task:
         settling_window: time after the last latching during which the episode goes on [s].
         drive_settles: whether the drive alone brings the array to rest after the last latching; the step in which it
             latches then lasts until the episode ends.
-        driven_joint: index of the joint that the motor works on; 0 is the root hinge.
+        driven_joint: index of the joint that the motor works on, 0 is the root hinge; or several, each with a motor, a
+            drive and an entry of the action of its own.
         action: "torque", in units of the torque limit, or "log_rate", the logarithm of the setpoint of the drive's rate
             loop, behind a lag.
     """
@@ -41,7 +42,7 @@ class Task:
     settling_window: float = number(MISSING, _POSITIVE, _TIME)
     overtime: float = number(0.0, _NOT_NEGATIVE)
     drive_settles: bool = False
-    driven_joint: int = 0
+    driven_joint: int | tuple[int, ...] = 0
     action: str = "torque"
 
     def __post_init__(self) -> None:
@@ -51,13 +52,16 @@ class Task:
             value, period = getattr(self, name), self.control_period
             if value < period:
                 raise ValueError(f"{name} = {value!r} s is below control_period = {period!r} s")
-        if not is_whole_number(self.driven_joint, 0):
-            raise ValueError(f"driven_joint = {self.driven_joint!r} must be the index of a joint, a whole number")
+        given = self.driven_joints
+        if not given or not all(is_whole_number(joint, 0) for joint in given) or len(set(given)) < len(given):
+            raise ValueError(
+                f"driven_joint = {self.driven_joint!r} must be the index of a joint, a whole number, or several"
+            )
 
     @property
     def driven_joints(self) -> tuple[int, ...]:
         """Joint of each motor; an action has an entry for each."""
-        return (self.driven_joint,)
+        return self.driven_joint if isinstance(self.driven_joint, tuple) else (self.driven_joint,)
 
     def samples(self, hardware: Hardware) -> int:
         """Samples of the drive in a control period, which they must fill: 1 where it has no loop to close."""

@@ -113,7 +113,7 @@ def _drive(simulation: Simulation, torque: float, start: float, window: float) -
     """Simulate up to a time [s] after the last latching, or to the deadline if a joint is still open."""
     if start > 0.0:
         simulation.advance(start)
-    simulation.set_motor_torque(TASK.driven_joint, torque)
+    simulation.set_motor_torque(TASK.driven_joints[0], torque)
     joints = simulation.state.joints
     while not joints["latched"].all() and simulation.time < TASK.deadline:
         simulation.advance(simulation.time + TASK.control_period)

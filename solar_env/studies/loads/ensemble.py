@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from rich.console import Console
 
 from solar_env.array import ArrayParameters, ModelLevel, ParameterFile
 from solar_env.array.motorization import motorization
+from solar_env.array.parameters.ranges import checked_ranges
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.failures import told
 from solar_env.studies.common.motion import FINEST, Level
@@ -23,6 +25,7 @@ from solar_env.support.campaigns import Campaign, Cell
 Array = NDArray[np.float64]
 
 STORE = "loads.jsonl"
+SPHERES, CYLINDER = "lankarani-nikravesh", "pereira"
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,20 @@ class LoadsPlan:
         for name in ("window", "deadline"):
             if not 0.0 < getattr(self, name) <= 1e4:
                 raise ValueError(f"{name} = {getattr(self, name)!r} s must be positive and at most 10000")
+
+    @cached_property
+    def other_law(self) -> ParameterFile | None:
+        """The array with a contact law of another geometry: of a cylinder in its bush, or of spheres.
+
+        None where that law refuses it.
+        """
+        law = SPHERES if self.array.parameters.contact_law == CYLINDER else CYLINDER
+        ranges = {name: pair for name, pair in self.array.randomize.items() if name != "contact_stiffness"}
+        try:
+            other = self.array.parameters.with_changes({"contact_law": law, "contact_stiffness": None})
+            return ParameterFile(other, checked_ranges(other, ranges))
+        except ValueError:
+            return None
 
     @property
     def levels(self) -> tuple[Level, Level]:
@@ -86,6 +103,7 @@ class Loads:
     unlatched: Sequence[int]  # members that did not latch by the deadline, of the level and of the finest one
     warnings: Mapping[str, int]  # text -> in how many runs the simulator said it
     failures: str  # which runs failed, and why; empty where none did
+    form: tuple[Figure, ...]  # peak force by joint with another contact law, and this one's mean less its; else empty
 
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
@@ -94,23 +112,29 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console)
     Raises:
         ValueError: if the folder holds another ensemble, or in no run all joints latch.
     """
-    shared = {
-        "parameters": plan.array.parameters.to_dict(),
-        "randomize": dict(plan.array.randomize),
-        "window": plan.window,
-        "deadline": plan.deadline,
-    }
+    level, finest = plan.levels
+    asked = [(level, plan.array), (finest, plan.array), *([(level, plan.other_law)] if plan.other_law else [])]
     cells = [
-        {"model": level.model, "tighter": level.tighter, "member": member, **shared}
+        {
+            "model": level.model,
+            "tighter": level.tighter,
+            "member": member,
+            "parameters": array.parameters.to_dict(),
+            "randomize": dict(array.randomize),
+            "window": plan.window,
+            "deadline": plan.deadline,
+        }
         for member in range(1, plan.members + 1)
-        for level in plan.levels
+        for level, array in asked
     ]
     campaign = Campaign(run_member, cells, folder / STORE)
-    return gathered(plan, campaign.run_shown(workers, console, "deployments, at two levels of the model"))
+    return gathered(plan, campaign.run_shown(workers, console, "deployments, at two levels, with two contact laws"))
 
 
 def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
-    """The figures of results, member by member, the chosen level first; one that failed at either is left out.
+    """The figures of results, member by member: at the chosen level, at the finest, and with the other contact law.
+
+    A member that failed in one of them is left out.
 
     Raises:
         ValueError: if in no run all joints latch, or too many have failed.
@@ -118,9 +142,10 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
     failed: dict[str, str] = {}
     for run in results:
         failed |= run.get("failed", {})
-    failures, pairs = told(failed, len(results)), zip(results[::2], results[1::2], strict=True)
-    whole = [pair for pair in pairs if not any("failed" in run for run in pair)]
-    levels = [run for run, _ in whole], [finest for _, finest in whole]
+    failures, stride = told(failed, len(results)), 3 if plan.other_law else 2
+    members = zip(*(results[k::stride] for k in range(stride)), strict=True)
+    whole = [runs for runs in members if not any("failed" in run for run in runs)]
+    levels = [runs[0] for runs in whole], [runs[1] for runs in whole]
     unlatched = [sum(not run["latched"] for run in runs) for runs in levels]
     if min(unlatched) == len(whole):
         stalled = [str(hinge) for hinge in motorization(plan.array.parameters) if hinge.stalls_at is not None]
@@ -136,5 +161,9 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
     hinge, hub = (
         np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
     )
-    said = Counter(text for pair in whole for run in pair for text in run["warnings"])
-    return Loads(plan, figures, hinge, hub, unlatched, said, failures)
+    said = Counter(text for runs in whole for run in runs for text in run["warnings"])
+    form: tuple[Figure, ...] = ()
+    if plan.other_law:
+        other, this = (np.array([runs[k]["quantities"]["peak_force"] for runs in whole], float) for k in (2, 0))
+        form = tuple(figure_of(*values) for values in zip(other.T, this.T, strict=True))
+    return Loads(plan, figures, hinge, hub, unlatched, said, failures, form)

@@ -10,7 +10,7 @@ from solar_env.pictures.page.content import Chart, Line, Page, Table
 from solar_env.pictures.style import COLOURS
 from solar_env.studies.common.bootstrap import FEWEST
 from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table, shown_samples
-from solar_env.studies.loads.ensemble import Loads
+from solar_env.studies.loads.ensemble import CYLINDER, Loads
 from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES, QUANTITIES, Quantity
 from solar_env.studies.loads.runs import FREQUENCIES, Deployment
 from solar_env.studies.loads.statistics import Figure, counted, rounded, shortened
@@ -43,7 +43,7 @@ def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
         f"The latch of joint {stopped} takes the greatest torque, on which a hinge is sized: {stated['latch_torque']}; "
         f"joint {fastest} latches fastest, at {_with_interval(rate, QUANTITIES['latch_rate'])}.",
         *before,
-        f"The pin of joint {worst['peak_force'][0]} is hit hardest: {stated['peak_force']}.",
+        f"The pin of joint {worst['peak_force'][0]} is hit hardest: {stated['peak_force']}; {_form(loads)}.",
         f"Within {loads.plan.window:g} s of the last latching joint {worst['impulse'][0]} exchanges most momentum: "
         f"{stated['impulse']}.",
         f"A deployment wears joint {joint} deepest: {stated['wear_depth']}; {negligible}{counted(deployments)} "
@@ -57,6 +57,21 @@ def _worst(figures: Sequence[Figure]) -> tuple[int, Figure]:
     """The joint with the greatest mean, counted from 1, and its figure."""
     worst = max(range(len(figures)), key=lambda j: figures[j].mean if math.isfinite(figures[j].mean) else -math.inf)
     return worst + 1, figures[worst]
+
+
+def _form(loads: Loads) -> str:
+    """State the peak pin force with the other contact law."""
+    law = f"the contact law of {_other_contact(loads)}"
+    if not loads.form:
+        return f"model form unknown, for {law} does not take this array"
+    joint, figure = _worst(loads.form)
+    return (
+        f"with {law} joint {joint} has {_with_interval(figure, QUANTITIES['peak_force'])}: so unsure is the model form"
+    )
+
+
+def _other_contact(loads: Loads) -> str:
+    return "spheres" if loads.plan.array.parameters.contact_law == CYLINDER else "a cylinder in its bush"
 
 
 def _stated(figure: Figure, quantity: Quantity) -> str:
@@ -122,7 +137,7 @@ def _basis(loads: Loads) -> str:
     if loads.failures:
         text += f" {loads.failures}"
     for warning, times in loads.warnings.items():
-        text += f" In {times} of {2 * plan.members} runs: {warning}."
+        text += f" In {times} of {(3 if loads.form else 2) * plan.members} runs: {warning}."
     return text
 
 
@@ -134,14 +149,23 @@ def tables(loads: Loads) -> list[Table]:
     rows = [row for name, levels in spectra.items() for row in _spectrum_rows(name, levels)]
     title = "Shock response spectra, Q = 10: mean over runs, and of the finest level"
     return [
-        *(Table(f"Joint {j + 1}", COLUMNS, [_row(loads, name, j) for name in JOINT_QUANTITIES]) for j in joints),
-        Table("Hub", COLUMNS, [_row(loads, name, 0) for name in HUB_QUANTITIES]),
+        *(Table(f"Joint {j + 1}", COLUMNS, list(_joint_rows(loads, j))) for j in joints),
+        Table("Hub", COLUMNS, [_row(QUANTITIES[name], loads.figures[name][0]) for name in HUB_QUANTITIES]),
         Table(title, ("spectrum", *(f"{f:.0f} Hz" for f in FREQUENCIES[_SHOWN])), rows),
     ]
 
 
-def _row(loads: Loads, name: str, index: int) -> list[str]:
-    quantity, figure = QUANTITIES[name], loads.figures[name][index]
+def _joint_rows(loads: Loads, joint: int) -> Iterator[list[str]]:
+    """Rows of a joint's figures; below the pin force, that of the other contact law."""
+    for name in JOINT_QUANTITIES:
+        yield _row(QUANTITIES[name], loads.figures[name][joint])
+        if name == "peak_force" and loads.form:
+            quantity = QUANTITIES[name]
+            *cells, _ = _row(quantity, loads.form[joint])
+            yield [f"{quantity.name}, as of {_other_contact(loads)} (model form)", *cells[1:], "-"]
+
+
+def _row(quantity: Quantity, figure: Figure) -> list[str]:
     half = quantity.scale * figure.half_width
     mean, low, high = (rounded(quantity.scale * x, half) for x in (figure.mean, figure.low, figure.high))
     interval = f"{low} to {high}" if math.isfinite(half) else "-"

@@ -1,5 +1,6 @@
 """What is told of an array before it is run: the torque that its hinges have left, and frequencies when deployed."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -28,7 +29,10 @@ def statics(parameters: ArrayParameters, factors: Mapping[str, Any] | None = Non
     """
     used = {**FACTORS, **(factors or {})}
     counted = ", ".join(f"{name} {value:g}" for name, value in used.items())
-    hinges = "; ".join(map(str, motorization(parameters, factors)))
+    found = motorization(parameters, factors)
+    hinges = "; ".join(map(str, found))
+    if all(math.isinf(hinge.ratio[0]) for hinge in found):
+        hinges = "no friction, harness or damper is given, and no hinge has anything to overcome"
     held, free = (
         ", ".join(f"{frequency:.3g}" for frequency in first_frequencies(parameters, held)) for held in (True, False)
     )

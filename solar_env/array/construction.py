@@ -25,7 +25,7 @@ def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mech
 
     Joints are ideal, without play and friction: what is asked of it are vibrations of small amplitude.
     """
-    p = parameters.with_changes({"initial_spin": 0.0, "initial_rate": 0.0})
+    p = parameters.with_changes({"initial_spin": 0.0, "initial_rate": 0.0, "gravity": 0.0})
     folded, directions = build(p, ModelLevel.of(model)), [0.0]
     hinge, bodies = (p.hinge_x, p.hinge_y), [folded.bodies[0]]
     for row, panel in zip(p.joints, folded.bodies[1:], strict=True):
@@ -70,7 +70,8 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
         turning = _turning(spin, folded)
         hinge = (hinge[0] + folded[0], hinge[1] + folded[1])
         velocity = (velocity[0] + turning[0], velocity[1] + turning[1])
-    return Mechanism(tuple(bodies), tuple(joints), tuple(cables), wear_bins=p.wear_bins)
+    parts = tuple(bodies), tuple(joints), tuple(cables)
+    return Mechanism(*parts, gravity=p.unsupported_gravity, wear_bins=p.wear_bins)
 
 
 def _main_body(p: ArrayParameters) -> AnyBody:
@@ -110,7 +111,7 @@ def _joint(p: ArrayParameters, level: ModelLevel, row: JointRow, bodies: Sequenc
         spring_table=p.table("spring_torque", k),
         harness=p.table("harness_torque", k),
         damping=p.by_joint("hinge_damping", k),
-        friction_torque=p.by_joint("hinge_friction_torque", k),
+        friction_torque=p.friction_torque(k),
         friction_ramp_rate=p.by_joint("hinge_friction_rate", k),
     )
 

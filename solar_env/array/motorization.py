@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 MARGIN = 2.0
 # Uncertainty factors of resistances that have not been measured (table 4-2 there); measured, friction and harness have
 # 1.5.
-FACTORS: Mapping[str, float] = {"spring": 1.2, "friction": 3.0, "harness": 3.0, "damper": 3.0}
+FACTORS: Mapping[str, float] = {"spring": 1.2, "friction": 3.0, "harness": 3.0, "damper": 3.0, "weight": 1.1}
 _ANGLES = 201  # at which torques are compared
 UNHURRIED = 60.0  # s, in which a hinge opens at the rate at which its damper is counted
 
@@ -93,16 +93,30 @@ def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) ->
         torque + _tabulated(p.table(name, k), angles)
         for torque, name in ((spring, "spring_torque"), (np.zeros(_ANGLES), "harness_torque"))
     )
-    friction, damping = p.by_joint("hinge_friction_torque", k), p.by_joint("hinge_damping", k)
+    friction, damping, weight = p.friction_torque(k), p.by_joint("hinge_damping", k), _weight(p, k)
     resistances = {
         "spring": np.maximum(-spring, 0.0),
         "friction": np.full(_ANGLES, friction),
         "harness": np.maximum(-harness, 0.0),
+        "weight": np.maximum(-weight, 0.0),
         "damper": np.full(_ANGLES, damping * joint.lock_angle / UNHURRIED),
     }
     asked = MARGIN * sum(factors[name] * torque for name, torque in resistances.items())
-    driving = np.maximum(spring, 0.0) + np.maximum(harness, 0.0)
+    driving = sum((np.maximum(torque, 0.0) for torque in (spring, harness, weight)), np.zeros(_ANGLES))
     return Motorization(joint.name, angles, driving, sum(resistances.values(), np.zeros(_ANGLES)), np.asarray(asked))
+
+
+def _weight(p: ArrayParameters, joint: int) -> Array:
+    """(angles,) torque of the panels' weight that hangers leave on a joint [N m], where all joints open in step."""
+    turned = np.cumsum([row.sign * (np.linspace(0.0, row.lock_angle, _ANGLES) - row.fold_angle) for row in p.joints], 0)
+    panels, gravity = [p.panel(row.index) for row in p.joints], complex(*p.unsupported_gravity)
+    torque = np.zeros(_ANGLES)
+    place = np.zeros(_ANGLES, dtype=complex)  # of the panel's inner end, from the joint
+    for panel, angle in zip(panels[joint:], turned[joint:], strict=True):
+        along = panel.length * np.exp(1j * angle)
+        torque += panel.mass * ((place + along / 2).conj() * gravity).imag
+        place = place + along
+    return p.joints[joint].sign * torque
 
 
 def _tabulated(table: tuple[tuple[float, float], ...], angles: Array) -> Array:

@@ -54,3 +54,17 @@ def test_a_factor_that_is_none_is_refused():
         motorization(ArrayParameters(), {"harnes": 1.5})
     with pytest.raises(ValueError, match="friction = -1 must be positive"):
         motorization(ArrayParameters(), {"friction": -1})
+
+
+def test_weight_that_hangers_leave_is_lifted_as_by_hand():
+    """A panel that hangs from its root at first, and stands out level at last."""
+    array = {"panel_count": 1, "body_fixed": True, "gravity": 9.81, "spring_stiffness": 30.0}
+    held = {"spring_preload_angle": 3.0, "offloading_share": 0.5, "offloading_friction": 0.01}
+    (hinge,) = motorization(ArrayParameters(**array, **held))
+    lifted, rubbed = 6.0 * 9.81 * 0.5 * 0.75, 0.01 * 6.0 * 9.81 * 0.5 * 0.75
+    ratio, angle = hinge.ratio
+    assert angle == math.pi / 2
+    assert ratio == pytest.approx(30.0 * (3.0 - math.pi / 2) / (2.0 * (1.1 * lifted + 3.0 * rubbed)))
+    assert hinge.resisting[[0, -1]] == pytest.approx([rubbed, rubbed + lifted])
+    with pytest.raises(ValueError, match=r"gravity = 9\.81 needs body_fixed = true"):
+        ArrayParameters(gravity=9.81)

@@ -63,6 +63,7 @@ AT_LEAST_ONE = Rule(1.0, 1e20, "must be at least 1")
 OPENING_TO_X = Rule(0.0, 1e20, "must not be negative: the panels open towards +x")
 TURN = Rule(-2.0 * math.pi, 2.0 * math.pi, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
 FOLD = Rule(0.1, 1.9 * math.pi, "must lie between 0.1 and 1.9 pi: it is in radians, not in degrees")
+PORTION = Rule(0.0, 1.0, "must lie between 0 and 1")
 SWITCH = Rule(0.0, 1.0, "must be 1, or 0 for none")
 PLAY = Rule(0.0, 2.0 * math.pi, "must lie between 0 and 2 pi: it is in radians, not in degrees")
 GAP = Rule(math.ulp(0.0), 1e20, "must be positive; for no clearance choose an ideal model")
@@ -123,6 +124,8 @@ def check_parameters(p: ArrayParameters) -> None:
     rule = f"is lost in rounding beside journal_radius = {radius!r}; for no clearance choose an ideal model"
     _require(p, "clearance", radius + min(clearances) > radius, rule)
     _require(p, "initial_spin", p.initial_spin == 0.0 or not p.body_fixed, "needs a body that is not fixed")
+    rule = "needs body_fixed = true: in a test on the ground the main body is held"
+    _require(p, "gravity", p.gravity == 0.0 or p.body_fixed, rule)
     _check_bodies(p)
     for name, allowed in (("latching", (0.0, 1.0)), ("release_after", range(len(p.joints) + 1))):
         rule = f"must be one of {', '.join(f'{value:g}' for value in allowed)}"

@@ -109,6 +109,11 @@ class ArrayParameters:
             order of 1e-14 to 1e-13 m, as the paper reports).
         bearing_width: axial length of the bearings [m] (chosen: the hinge line spans the panel).
         wear_bins: circumferential bins of each surface.
+        gravity: acceleration of free fall in a test on the ground [m/s2], for which the main body is held.
+        gravity_angle: direction of that in the plane, from the x axis [rad].
+        offloading_share: share of each panel's weight that a hanger at its centre carries.
+        offloading_friction: friction force of a hanger over the weight that it carries; half a panel's length away from
+            the panel's hinge it resists that hinge's turning.
         initial_spin: angular velocity of the main body about its centroid at t = 0 [rad/s].
         initial_rate: rate of the joint angles at t = 0, by joint, positive opens [rad/s].
     """
@@ -175,6 +180,10 @@ class ArrayParameters:
     wear_coefficient: float = number(1e-14, c.NOT_NEGATIVE, c.Usual(0.0, 1e-6, "m2/N", "mm3/(N m)"))
     bearing_width: float = number(1.0, c.POSITIVE, c.Usual(1e-4, 50.0, "m", "mm"))
     wear_bins: int = number(360, c.Rule(1, 100_000, "must lie between 1 and 100000"))
+    gravity: float = number(0.0, c.NOT_NEGATIVE, c.Usual(0.1, 30.0, "m/s2", "g or mm/s2"))
+    gravity_angle: float = number(-math.pi / 2, c.TURN)
+    offloading_share: float = number(0.0, c.PORTION)
+    offloading_friction: float = number(0.0, c.NOT_NEGATIVE, c.Usual(0.0, 1.0, "", "per cent"))
     initial_spin: float = number(0.0, usual=c.ANGULAR_RATE)
     initial_rate: PerJoint = per_joint(0.0, usual=c.ANGULAR_RATE, drawn_by_joint=True)
 
@@ -250,6 +259,18 @@ class ArrayParameters:
             young * section * thickness**2 / 12.0 if bending is None else bending,
             damping,
         )
+
+    @property
+    def unsupported_gravity(self) -> tuple[float, float]:
+        """What hangers leave of gravity [m/s2], in the plane."""
+        left = self.gravity * (1.0 - self.offloading_share)
+        return left * math.cos(self.gravity_angle), left * math.sin(self.gravity_angle)
+
+    def friction_torque(self, joint: int) -> float:
+        """Torque of dry friction in a hinge, counted from 0, and of its panel's hanger about it [N m]."""
+        panel = self.panel(joint)
+        of_hanger = self.offloading_friction * self.offloading_share * panel.mass * self.gravity
+        return float(self.by_joint("hinge_friction_torque", joint) + of_hanger * panel.length / 2)
 
     def table(self, name: str, joint: int) -> TorqueTable:
         """The table of a tabulated torque of a joint, counted from 0."""

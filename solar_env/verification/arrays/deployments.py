@@ -32,6 +32,8 @@ QUASI_STATIC = "quasi-static deflection under the inertia forces is proportional
 STIFF_CABLE: dict[str, Any] = {"cable_stiffness": 5e3, "cable_preload_force": 1e4}
 COUPLE: dict[str, Any] = {"cable_torque_ratio": 1.0}
 _SPRING = (((0.0, 0.2), (0.5, 0.12), (1.2, 0.15), (1.6, 0.02)), ((0.0, 0.05), (2.0, 0.02), (3.2, 0.04)))
+_GROUND: dict[str, Any] = {"body_fixed": True, "gravity": 9.81, "gravity_angle": 1.0, "cable_stiffness": 0.0}
+_HANGERS: dict[str, Any] = {"offloading_share": 0.999, "offloading_friction": 5e-4, "hinge_friction_rate": 0.02}
 _HARNESS = ((0.0, 0.04), (0.8, 0.0), (2.0, -0.02), (3.2, -0.05))
 # name, changes to the parameters
 REDUCTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -57,6 +59,8 @@ def rigid_array_motion() -> Iterator[Check]:
         ("springs and harness by tables", ArrayParameters(spring_torque=_SPRING, harness_torque=_HARNESS)),
         ("a yoke and a panel", ArrayParameters(panel_length=(0.3, 1.5), panel_area_mass=(8.0, 3.0))),
         ("hinges that open in one sense", ArrayParameters(folding="wrap", cable_stiffness=0.0)),
+        ("on the ground", ArrayParameters(**_GROUND, spring_stiffness=40.0)),
+        ("on the ground, on hangers", ArrayParameters(**_GROUND, **_HANGERS)),
         ("a root that opens by a half turn", ArrayParameters(fold_angle=math.pi, spring_preload_angle=3.5)),
     )
     for name, parameters in variants:

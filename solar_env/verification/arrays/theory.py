@@ -49,8 +49,8 @@ class Chain:
     Coordinates are the n angles, followed by x and y of the first inboard pin if the chain is free.
     """
 
-    def __init__(self, links: Sequence[ChainLink], free: bool = False) -> None:
-        self.links, self.free = tuple(links), free
+    def __init__(self, links: Sequence[ChainLink], free: bool = False, gravity: complex = 0j) -> None:
+        self.links, self.free, self.gravity = tuple(links), free, gravity
         self.size = len(self.links) + (2 if free else 0)
         n = len(self.links)
         self.arms = np.zeros((n, n), dtype=complex)
@@ -77,8 +77,8 @@ class Chain:
         return matrix
 
     def applied(self, angles: Array, rates: Array, torques: Array) -> Array:
-        """(size,) generalized forces: torques (n,) on the angles [N m], and centripetal terms."""
-        forces = self.masses * ((self.arms * np.exp(1j * angles)) @ rates**2)
+        """(size,) generalized forces: torques (n,) on the angles [N m], weights, and centripetal terms."""
+        forces = self.masses * ((self.arms * np.exp(1j * angles)) @ rates**2 + self.gravity)
         total = (self.jacobian(angles).conj().T @ forces).real
         total[: len(self.links)] += torques
         return total
@@ -125,7 +125,7 @@ def make_chain(p: ArrayParameters) -> Chain:
     rows = [p.panel(joint.index) for joint in p.joints]
     panels = [ChainLink(row.mass, row.inertia, row.length / 2 + 0j, row.length + 0j) for row in rows]
     if p.body_fixed:
-        return Chain(panels)
+        return Chain(panels, gravity=complex(*p.unsupported_gravity))
     return Chain([ChainLink(p.body_mass, p.body_inertia, 0j, complex(p.hinge_x, p.hinge_y)), *panels], free=True)
 
 
@@ -156,9 +156,8 @@ def hinge_torques(p: ArrayParameters) -> Callable[[Array, Array], Array]:
         for joint in p.joints
         if (table := p.table(name, joint.index))
     ]
-    damping, friction, ramp = (
-        np.array(p.for_each_joint(f"hinge_{name}")) for name in ("damping", "friction_torque", "friction_rate")
-    )
+    damping, ramp = (np.array(p.for_each_joint(f"hinge_{name}")) for name in ("damping", "friction_rate"))
+    friction = np.array([p.friction_torque(joint.index) for joint in p.joints])
 
     def torques(angles: Array, rates: Array) -> Array:
         total = spring_torques(p, angles) - damping * rates - friction * rates / np.hypot(rates, ramp)

@@ -215,8 +215,8 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
     _, force, impulse, wear, _, basis = answer(replace(loads, figures=loads.figures | first, form=cylinder))
     assert force == (
         "The pin of joint 1 is hit hardest: 222 \u00b1 8 N, 99 % of deployments stay below 270 N (with 95 % confidence "
-        "below 290 N), discretisation error +10 \u00b1 11 N; with the contact law of a cylinder in its bush joint 1 has "
-        "780 \u00b1 50 N: so unsure is the model form."
+        "below 290 N), discretisation error +10 \u00b1 11 N; with the contact law of a cylinder in its bush joint 1 "
+        "has 780 \u00b1 50 N: so unsure is the model form."
     )
     assert impulse == (
         "Within 0.5 s of the last latching joint 3 exchanges most momentum: 55.02 \u00b1 0.08 N s, 99 % of deployments "

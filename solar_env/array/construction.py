@@ -20,6 +20,11 @@ def _turning(spin: float, arm: Point) -> Point:
     return (-spin * arm[1], spin * arm[0])
 
 
+def _outward(row: JointRow) -> float:
+    """Direction of a panel in line with what bears it, in whose frame [rad]: the body of a mirrored wing looks away."""
+    return math.pi if row.side < 0 and row.inboard == MAIN_BODY else 0.0
+
+
 def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mechanism:
     """Describe the array at rest with every joint at its lock angle, where a linear spring as stiff as the latch holds.
 
@@ -27,9 +32,11 @@ def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mech
     """
     p = parameters.with_changes({"initial_spin": 0.0, "initial_rate": 0.0, "gravity": 0.0})
     folded, directions = build(p, ModelLevel.of(model)), [0.0]
-    hinge, bodies = (p.hinge_x, p.hinge_y), [folded.bodies[0]]
+    bodies = [folded.bodies[0]]
     for row, panel in zip(p.joints, folded.bodies[1:], strict=True):
-        angle = directions[row.inboard] + row.sign * (row.lock_angle - row.fold_angle)
+        if row.inboard == MAIN_BODY:
+            hinge = (row.side * p.hinge_x, p.hinge_y)
+        angle = directions[row.inboard] + _outward(row) + row.sign * (row.lock_angle - row.fold_angle)
         directions.append(angle)
         bodies.append(replace(panel, position=hinge, angle=angle))
         length = p.by_joint("panel_length", row.index)
@@ -55,9 +62,10 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
     """
     level, p = ModelLevel.of(model), parameters
     bodies, joints, cables = [_main_body(p)], [], []
-    hinge = (p.hinge_x, p.hinge_y)
-    velocity, spin, angle = _turning(p.initial_spin, hinge), p.initial_spin, 0.0
     for row in p.joints:
+        if row.inboard == MAIN_BODY:
+            hinge, spin, angle = (row.side * p.hinge_x, p.hinge_y), p.initial_spin, _outward(row)
+            velocity = _turning(spin, hinge)
         angle -= row.sign * row.fold_angle
         length = p.by_joint("panel_length", row.index)
         spin += row.sign * p.by_joint("initial_rate", row.index)
@@ -95,10 +103,10 @@ def _joint(p: ArrayParameters, level: ModelLevel, row: JointRow, bodies: Sequenc
         name=row.name,
         inboard=bodies[row.inboard].name,
         outboard=bodies[row.panel].name,
-        inboard_point=(p.hinge_x if root else p.by_joint("panel_length", k - 1), 0.0),
+        inboard_point=(row.side * p.hinge_x if root else p.by_joint("panel_length", k - 1), 0.0),
         outboard_point=(0.0, 0.0),
         sign=row.sign,
-        folded_angle=-row.sign * row.fold_angle,
+        folded_angle=_outward(row) - row.sign * row.fold_angle,
         middle=row.lock_angle / 2,
         bearing=p.bearing(k) if level.clearance else None,
         spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),

@@ -82,8 +82,9 @@ def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None 
         check_positive(name, value)
     used = {**FACTORS, **(factors or {})}
     hinges = tuple(_hinge(parameters, joint, used) for joint in parameters.joints)
-    loops = len(hinges) > 1 and min(parameters.for_each_joint("cable_stiffness")) > 0.0
-    return (*hinges, _together(hinges)) if loops else hinges
+    loops = parameters.panel_count > 1 and min(parameters.for_each_joint("cable_stiffness")) > 0.0
+    wings = (hinges[k : k + parameters.panel_count] for k in range(0, len(hinges), parameters.panel_count))
+    return (*hinges, *map(_together, wings)) if loops else hinges
 
 
 def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) -> Motorization:
@@ -108,11 +109,14 @@ def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) ->
 
 def _weight(p: ArrayParameters, joint: int) -> Array:
     """(angles,) torque of the panels' weight that hangers leave on a joint [N m], where all joints open in step."""
-    turned = np.cumsum([row.sign * (np.linspace(0.0, row.lock_angle, _ANGLES) - row.fold_angle) for row in p.joints], 0)
+    opened = np.array([row.sign * (np.linspace(0.0, row.lock_angle, _ANGLES) - row.fold_angle) for row in p.joints])
+    turned = np.concatenate([np.cumsum(wing, axis=0) for wing in np.split(opened, p.wings)])
+    turned[p.panel_count :] += np.pi  # a mirrored wing begins at the other side
     panels, gravity = [p.panel(row.index) for row in p.joints], complex(*p.unsupported_gravity)
     torque = np.zeros(_ANGLES)
     place = np.zeros(_ANGLES, dtype=complex)  # of the panel's inner end, from the joint
-    for panel, angle in zip(panels[joint:], turned[joint:], strict=True):
+    last = (joint // p.panel_count + 1) * p.panel_count
+    for panel, angle in zip(panels[joint:last], turned[joint:last], strict=True):
         along = panel.length * np.exp(1j * angle)
         torque += panel.mass * ((place + along / 2).conj() * gravity).imag
         place = place + along
@@ -134,4 +138,4 @@ def _together(hinges: tuple[Motorization, ...]) -> Motorization:
         sum(getattr(hinge, name) * (hinge.angles[-1] / first[-1]) for hinge in hinges)
         for name in ("driving", "resisting", "asked")
     ]
-    return Motorization("the array, through its cable loops,", first, *map(np.asarray, total))
+    return Motorization(f"the wing from {hinges[0].name} on, by its cable loops,", first, *map(np.asarray, total))

@@ -47,7 +47,9 @@ class Scenario(NamedTuple):
     def ranges(self, array: ArrayParameters) -> Ranges:
         """The ranges for an array, around its own parameters; a main body that is held does not turn."""
         turns = not array.body_fixed
-        return {n: s.around(getattr(array, n)) for n, s in self.spreads.items() if turns or n != "initial_spin"}
+        values = {n: getattr(array, n) for n in self.spreads if turns or n != "initial_spin"}
+        several = {n: array.for_each_joint(n) for n, value in values.items() if isinstance(value, tuple)}
+        return {n: self.spreads[n].around(value) for n, value in (values | several).items()}
 
 
 _TENTH = Spread(0.9, 1.1)

@@ -150,9 +150,10 @@ class EnvironmentSettings:
         usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
         if max(task.driven_joints) >= len(self.array.joints):
+            joints = "panel_count" if self.array.wings == 1 else "panel_count * wings"
             raise ValueError(
-                f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count!r}: the "
-                "root has index 0"
+                f"driven_joint = {task.driven_joint!r} must be below {joints} = {self.array.joint_count}: the root has "
+                "index 0"
             )
         if self.torque_limit is None and self.devices.load_compensation:
             # The maker of a drive that is to hold the springs' load chooses the motor by it.

@@ -45,6 +45,7 @@ class Scene:
         motor_torque: torque of the root-hinge motor [N m].
         force_times: instants of the force history, ascending, (n,) [s].
         force_history: forces at those instants, (n, nj) [N].
+        wings: number of wings, whose panels follow each other.
     """
 
     time: float
@@ -59,6 +60,7 @@ class Scene:
     motor_torque: float
     force_times: Array
     force_history: Array
+    wings: int = 1
 
 
 class Canvas:
@@ -216,7 +218,8 @@ class Renderer:
         if clearance > 0.0:  # circles touch exactly when the eccentricity is as long as the clearance
             offset = scene.eccentricity[joint] / clearance * (1.0 - JOURNAL_SHARE) * radius * (1.0, -1.0)
         canvas.disc(centre, radius / 0.84, BEARING)
-        carrier = scene.main_body[:2] if joint == 0 else scene.panels[joint - 1][-2:]
+        root = joint % (len(scene.panels) // scene.wings) == 0
+        carrier = scene.main_body[:2] if root else scene.panels[joint - 1][-2:]
         for bolt in _crosswise(carrier):
             canvas.disc(centre + 1.095 * radius * bolt, 2.5, BOLT)
         canvas.disc(centre, radius, CARD)
@@ -250,11 +253,13 @@ def _extent(folded: Scene) -> tuple[Array, Array]:
     dx, dy = folded.panels[0][-1] - folded.panels[0][0]  # along the side that folded panels hinge on
     outward = np.array([-dy, dx]) / math.hypot(dx, dy)
     side = np.sign(outward @ (hinge - centre))
-    reach = sum(float(np.sum(np.hypot(*np.diff(panel, axis=0).T))) for panel in folded.panels)
+    reach = sum(float(np.sum(np.hypot(*np.diff(panel, axis=0).T))) for panel in folded.panels) / folded.wings
     points = [folded.main_body, *folded.panels]
     for tilt in (-side * TILT, side * SWAY):
         turn = np.array([[math.cos(tilt), -math.sin(tilt)], [math.sin(tilt), math.cos(tilt)]])
-        points.append(centre + (np.array([*folded.main_body, hinge + side * reach * outward]) - centre) @ turn.T)
+        for wing in (1.0, -1.0)[: folded.wings]:
+            tip = centre + wing * (hinge + side * reach * outward - centre)
+            points.append(centre + (np.array([*folded.main_body, tip]) - centre) @ turn.T)
     every = np.concatenate(points)
     return every.min(axis=0), every.max(axis=0)
 

@@ -19,6 +19,7 @@ KEYWORDS = {
         {"spring_stiffness": 2.0},
         {"panel_count": 1, "harness_torque": ((0.0, 0.01), (1.6, -0.01))},
         {"panel_count": 3, "body_fixed": True, "panel_length": (0.5, 1.5), "hinge_damping": 0.02, "folding": "wrap"},
+        {"panel_count": 1, "wings": 2, "spring_stiffness": (2.0, 1.5)},
         {"fold_angle": 3.0, "lock_angle": (2.0, 2.5), "latching": (1, 0), "release_time": (0.0, 0.2)},
     ),
     "max_episode_steps": (2,),

@@ -179,8 +179,8 @@ def _check_value(p: ArrayParameters, name: str, default: object, row: Row) -> No
             _require(p, name, rule.least <= entry <= rule.greatest, rule.text)
     whole = all(isinstance(entry, int) for entry in entries)
     _require(p, name, whole or not isinstance(default, int), "must be a whole number")
-    few = value == default or len(entries) <= p.panel_count
-    _require(p, name, few, f"has more entries than joints ({p.panel_count})")
+    few = value == default or len(entries) <= p.joint_count
+    _require(p, name, few, f"has more entries than joints ({p.joint_count})")
 
 
 def _check_tables(p: ArrayParameters, name: str) -> None:

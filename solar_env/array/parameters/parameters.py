@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Self
 
 from solar_env.array.parameters import checks as c
 from solar_env.array.parameters.checks import number, per_joint, tabulated
-from solar_env.array.parameters.rows import JointRow, PanelRow
+from solar_env.array.parameters.rows import JointRow, PanelRow, entry_of
 from solar_env.mechanics.joints.laws import SLIDING_READINGS, PowerLaw, Surfaces, contact_law
 from solar_env.mechanics.mechanism.description import Bearing, Stop, TorqueTable
 from solar_env.support.values import changed, check_name, is_number, plain
@@ -39,7 +39,9 @@ class ArrayParameters:
     joints. Lists and arrays become tuples, NumPy's numbers Python's.
 
     Attributes:
-        panel_count: number of panels N; the paper's is 2.
+        panel_count: number of panels N of a wing; the paper's is 2.
+        wings: 1, or 2 for a mirrored one towards -x, whose joints are counted on from those of the first. Quantities by
+            joint or panel are those of each wing, unless they have more than N entries.
         body_mass: of the main body [kg]; a 1 m cube of 1500 kg/m3.
         body_inertia: of the main body about its centroid [kg m2].
         body_fixed: whether the main body is held in place; the paper's floats.
@@ -123,9 +125,10 @@ class ArrayParameters:
     BY_JOINT: ClassVar[tuple[str, ...]]
     DRAWN_BY_JOINT: ClassVar[tuple[str, ...]]
     # They decide how many numbers describe the mechanism and its state.
-    STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "body_fixed", "wear_bins")
+    STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "wings", "body_fixed", "wear_bins")
 
     panel_count: int = number(2, c.Rule(1, 100, "must lie between 1 and 100"))
+    wings: int = number(1, c.Rule(1, 2, "must be 1 or 2"))
     body_mass: float = number(1500.0, c.POSITIVE, c.Usual(0.05, 1e6, "kg", "g or t"))
     body_inertia: float = number(250.0, c.POSITIVE, c.Usual(1e-5, 1e9, "kg m2", "kg mm2"))
     body_fixed: bool = False
@@ -200,7 +203,9 @@ class ArrayParameters:
     def by_joint(self, name: str, joint: int) -> Any:
         """Entry of a quantity by joint for `joint`, counted from 0; the last one holds for all further joints."""
         entries = self.entries(name)
-        entry = entries[min(joint, len(entries) - 1)]
+        if entries == _ROWS[name][0]:
+            entries = entries[: self.panel_count]
+        entry = entry_of(entries, joint, self.panel_count)
         return None if entry is None else float(entry)
 
     def for_each_joint(self, name: str) -> tuple[Any, ...]:
@@ -234,15 +239,24 @@ class ArrayParameters:
         """Distance of the main body's base points [m], which must not lie too close to each other."""
         return self.hinge_x if self.hinge_x > 1e-3 * self.body_size else self.body_size
 
+    @property
+    def joint_count(self) -> int:
+        """Number of joints of all wings."""
+        return self.panel_count * self.wings
+
     @cached_property
     def joints(self) -> tuple[JointRow, ...]:
-        """The joints of a chain, from the root on."""
-        return tuple(self._joint(k) for k in range(self.panel_count))
+        """The joints, wing by wing, each a chain from the root on."""
+        return tuple(self._joint(k) for k in range(self.joint_count))
 
-    def _joint(self, k: int) -> JointRow:
-        fold = self.by_joint("fold_angle", k) or (math.pi if k else math.pi / 2)
-        sign = -1 if k % 2 and self.folding == "accordion" else 1
-        return JointRow(k, MAIN_BODY + k, MAIN_BODY + k + 1, sign, fold, self.by_joint("lock_angle", k) or fold)
+    def _joint(self, index: int) -> JointRow:
+        wing, k = divmod(index, self.panel_count)
+        side = -1 if wing else 1
+        fold = self.by_joint("fold_angle", index) or (math.pi if k else math.pi / 2)
+        sign = -side if k % 2 and self.folding == "accordion" else side
+        panel = MAIN_BODY + index + 1
+        inboard = panel - 1 if k else MAIN_BODY
+        return JointRow(index, inboard, panel, side, sign, fold, self.by_joint("lock_angle", index) or fold)
 
     def panel(self, joint: int) -> PanelRow:
         """The panel that a joint carries, counted from 0."""
@@ -262,7 +276,7 @@ class ArrayParameters:
 
     @property
     def unsupported_gravity(self) -> tuple[float, float]:
-        """What hangers leave of gravity [m/s2], in the plane."""
+        """Components in the plane of the gravity that hangers leave [m/s2]."""
         left = self.gravity * (1.0 - self.offloading_share)
         return left * math.cos(self.gravity_angle), left * math.sin(self.gravity_angle)
 
@@ -276,7 +290,7 @@ class ArrayParameters:
         """The table of a tabulated torque of a joint, counted from 0."""
         tables = getattr(self, name)
         alone = not tables or is_number(tables[0][0])
-        return tables if alone else tables[min(joint, len(tables) - 1)]
+        return tables if alone else entry_of(tables, joint, self.panel_count)
 
     def stop(self, joint: int) -> Stop:
         """The stop of a joint's latch and stow stop, counted from 0."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from solar_env.array.parameters.parameters import ArrayParameters
+from solar_env.array.parameters.rows import entry_of
 from solar_env.support.values import check_name, is_number, plain
 
 # Joint rates [rad/s], either way of rest, at which deployments that are meant to be alike are released: impacts are
@@ -48,8 +49,8 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
             raise ValueError(f"{told} = {bounds!r} must be a pair (low, high)")
         several = any(hasattr(bound, "__len__") for bound in bounds)
         by_joint = name in ArrayParameters.DRAWN_BY_JOINT or (several and name in ArrayParameters.BY_JOINT)
-        joints = len(parameters.joints) if by_joint else None
-        low, high = (_spread(f"{told}: the bound {bound!r}", bound, joints) for bound in bounds)
+        array = parameters if by_joint else None
+        low, high = (_spread(f"{told}: the bound {bound!r}", bound, array) for bound in bounds)
         if not np.all(np.less_equal(low, high)):
             raise ValueError(f"{told} = {bounds!r} must satisfy low <= high")
         for end in (low, high):
@@ -62,16 +63,16 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     return checked
 
 
-def _spread(told: str, given: Any, joints: int | None) -> Bound:
-    """A number, or one with an entry for each of `joints`: the last one given holds for all further ones."""
+def _spread(told: str, given: Any, array: ArrayParameters | None) -> Bound:
+    """A number, or one with an entry for each of an array's joints, see `entry_of`."""
     value = plain(given)
     entries = value if isinstance(value, tuple) else (value,)
     if not all(is_number(entry) and math.isfinite(entry) for entry in entries):
         raise ValueError(f"{told} must be a finite number")
-    if joints is None:
+    if array is None:
         if entries is value:
             raise ValueError(f"{told} must be a single number")
         return float(entries[0])
-    if not 1 <= len(entries) <= joints:
-        raise ValueError(f"{told} must have 1 to {joints} entries, one a joint")
-    return tuple(float(entries[min(j, len(entries) - 1)]) for j in range(joints))
+    if not 1 <= len(entries) <= array.joint_count:
+        raise ValueError(f"{told} must have 1 to {array.joint_count} entries, one a joint")
+    return tuple(float(entry_of(entries, j, array.panel_count)) for j in range(array.joint_count))

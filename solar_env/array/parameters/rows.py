@@ -1,7 +1,19 @@
 """A joint and a panel of the array, as the mechanism is built of them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
+
+Value = TypeVar("Value")
+
+
+def entry_of(entries: Sequence[Value], joint: int, panels: int) -> Value:
+    """Return the entry for a joint of a wing of so many panels: the last one holds for all further ones.
+
+    Both wings take the same entries, unless there are more of them than panels.
+    """
+    place = joint % panels if len(entries) <= panels else joint
+    return entries[min(place, len(entries) - 1)]
 
 
 @dataclass(frozen=True)
@@ -10,6 +22,7 @@ class JointRow:
 
     Attributes:
         inboard, panel: indices, among the bodies of the mechanism, of what bears it and of the panel.
+        side: 1 for the wing towards +x, -1 for its mirror image towards -x.
         sign: 1 if the panel opens counter-clockwise, -1 if clockwise.
         fold_angle: from the folded position to the one in line with what bears it [rad].
         lock_angle: at which it latches or stops, from the folded position [rad].
@@ -18,6 +31,7 @@ class JointRow:
     index: int
     inboard: int
     panel: int
+    side: int
     sign: int
     fold_angle: float
     lock_angle: float

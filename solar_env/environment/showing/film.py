@@ -65,4 +65,5 @@ class Film:
             motor_torque=float(state.joints["motor_torque"][self._settings.task.driven_joints[0]]),
             force_times=np.array(self._times),
             force_history=np.array(self._peaks),
+            wings=parameters.wings,
         )

@@ -58,11 +58,13 @@ def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
 
     It is reflected through the cable loops, which keep the joints' angles in the ratio of their lock angles.
     """
-    lock_angles = np.array([row.lock_angle for row in array.joints])
-    ratios = lock_angles / lock_angles[joint]
-    stiffness = ratios**2 * array.for_each_joint("spring_stiffness")
-    load, slope = stiffness @ (array.for_each_joint("spring_preload_angle") / ratios), stiffness.sum()
-    for row, ratio in zip(array.joints, ratios, strict=True):
+    wing = [row for row in array.joints if row.side == array.joints[joint].side]
+    ratios = np.array([row.lock_angle for row in wing]) / array.joints[joint].lock_angle
+    names = ("spring_stiffness", "spring_preload_angle")
+    springs, relaxed = (np.array([array.by_joint(name, row.index) for row in wing]) for name in names)
+    stiffness = ratios**2 * springs
+    load, slope = stiffness @ (relaxed / ratios), stiffness.sum()
+    for row, ratio in zip(wing, ratios, strict=True):
         for name in ("spring_torque", "harness_torque"):
             if table := array.table(name, row.index):
                 folded, deployed = np.interp((0.0, row.lock_angle), *np.array(table).T)

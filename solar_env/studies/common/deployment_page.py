@@ -100,6 +100,7 @@ def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
             motor_torque=float(trajectory.motor_torque[sample].sum()),
             force_times=times[: k + 1],
             force_history=history[: k + 1],
+            wings=trajectory.metadata["parameters"].get("wings", 1),
         )
         for k, sample in enumerate(kept.tolist())
     ]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters
 from solar_env.array.construction import main_body_frame
 from solar_env.array.data_files import write_columns
+from solar_env.array.parameters.parameters import MAIN_BODY
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.equations.formulation import ModelArrays
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -36,16 +37,17 @@ def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: A
 
 
 def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
-    """(nt, 3) force [N] and torque about the centroid [N m] of the root hinge on a hub held in place (`hub_place`)."""
-    lever = trajectory.journal_radius[0] + trajectory.clearance[0] + trajectory.penetration[:, 0]
-    # About the bearing's centre.
-    friction = lever * trajectory.tangential_force[:, 0] * (trajectory.clearance[0] > 0.0)
-    c, s = np.cos(place[:, 2]), np.sin(place[:, 2])
-    x, y = parameters.hinge_x, parameters.hinge_y
-    arm = np.column_stack([c * x - s * y, s * x + c * y])
-    force = -trajectory.joint_force[:, 0]
-    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] - trajectory.joint_torque[:, 0] - friction
-    return np.column_stack([force, torque])
+    """(nt, 3) force [N] and torque about the centroid [N m] of the root hinges on a hub held in place (`hub_place`)."""
+    total, (c, s) = np.zeros((len(place), 3)), (np.cos(place[:, 2]), np.sin(place[:, 2]))
+    for root in (joint for joint in parameters.joints if joint.inboard == MAIN_BODY):
+        k, x, y = root.index, root.side * parameters.hinge_x, parameters.hinge_y
+        lever = trajectory.journal_radius[k] + trajectory.clearance[k] + trajectory.penetration[:, k]
+        # About the bearing's centre.
+        friction = lever * trajectory.tangential_force[:, k] * (trajectory.clearance[k] > 0.0)
+        arm, force = np.column_stack([c * x - s * y, s * x + c * y]), -trajectory.joint_force[:, k]
+        turning = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] - root.sign * trajectory.joint_torque[:, k]
+        total += np.column_stack([force, turning - friction])
+    return total
 
 
 def mean_loads(parameters: ArrayParameters, time: Array, velocity: Array) -> Array:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
 from solar_env.array.construction import build_deployed
+from solar_env.array.methods import default_integrator
 from solar_env.mechanics.analysis.linearization import natural_frequencies
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.mechanism import Body, Mechanism
@@ -25,6 +26,7 @@ from solar_env.verification.checks import ARNOLD_BRULS, ENERGY, Check, compare
 
 REDUCED = "theta2 = 2 theta1: reduced equation of motion"
 MINIMAL_MASSES = "generalized eigenvalues of the mass matrix and the hinge springs in minimal coordinates"
+MIRROR = "mirror symmetry of two wings"
 NO_LOADS = "no external force or moment acts"
 HINGE_SHIFT = "a hinge out of its place by c changes inertias, and the time, by the order of c / L"
 QUASI_STATIC = "quasi-static deflection under the inertia forces is proportional to 1 / E"
@@ -69,6 +71,21 @@ def rigid_array_motion() -> Iterator[Check]:
         opening = motion.time < np.nanmin(motion.latch_times, initial=math.inf)
         obtained = np.abs(motion.angles - joint_angles_over_time(parameters, times))[opening].max()
         yield Check(f"{name}: greatest difference of a joint angle [rad]", 0.0, obtained, 1e-9, MINIMAL)
+
+
+def two_wings() -> Iterator[Check]:
+    """Mirrored wings: greatest asymmetry of their angles, turn and way aside of the hub; rigid and flexible panels."""
+    for model in ("rigid-ideal", "flexible-ideal:2 elements"):
+        parameters = ArrayParameters(wings=2)
+        motion = simulate(build(parameters, model), 10.0, integrator=default_integrator(model), output_step=0.1)
+        one, other = np.split(motion.angles, 2, axis=1)
+        base = motion.coordinates[:, :4] - motion.coordinates[0, :4]
+        for quantity, obtained in (
+            ("difference of a joint's angle from its mirror image [rad]", one - other),
+            ("turn of the hub [rad]", base[:, 3] - base[:, 1]),
+            ("way of the hub across the axis of symmetry [m]", base[:, 0]),
+        ):
+            yield Check(f"{model}: {quantity}", 0.0, float(np.abs(obtained).max()), 1e-11, MIRROR)
 
 
 def deployed_frequencies() -> Iterator[Check]:

@@ -92,8 +92,12 @@ class ModelLevel:
     def body(self, panel: PanelRow, name: str, motion: dict[str, Any]) -> AnyBody:
         """A panel with its motion at t = 0, keywords of the body's description."""
         if not self.flexible:
-            return Body(name, panel.mass, panel.inertia, panel.length, (panel.length / 2, 0.0), **motion)
+            return Body(name, panel.mass, panel.inertia, panel.length, (panel.centroid, 0.0), **motion)
         elastic = panel.axial_stiffness, panel.bending_stiffness, panel.damping
+        if self.modal and panel.masses:
+            raise ValueError(
+                f"panel_masses do not go with panels of modes: choose model = '{self.name}:6 elements', or rigid panels"
+            )
         if self.modal:
             return ModalPanel(name, panel.length, panel.mass, *elastic, modes=self.count, **motion)
-        return FlexibleBody(name, panel.length, self.count, panel.linear_density, *elastic, **motion)
+        return FlexibleBody(name, panel.length, self.count, panel.linear_density, *elastic, panel.masses, **motion)

@@ -118,7 +118,7 @@ def _weight(p: ArrayParameters, joint: int) -> Array:
     last = (joint // p.panel_count + 1) * p.panel_count
     for panel, angle in zip(panels[joint:last], turned[joint:last], strict=True):
         along = panel.length * np.exp(1j * angle)
-        torque += panel.mass * ((place + along / 2).conj() * gravity).imag
+        torque += panel.mass * ((place + along * (panel.centroid / panel.length)).conj() * gravity).imag
         place = place + along
     return p.joints[joint].sign * torque
 

@@ -26,6 +26,7 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "stops": stops.swings_into_stops,
     "rigid-array": deployments.rigid_array_motion,
     "deployed-frequencies": deployments.deployed_frequencies,
+    "double-door": deployments.double_door,
     "two-wings": deployments.two_wings,
     "latch-times": deployments.latch_times,
     "clearance-limit": deployments.clearance_limit,

@@ -232,3 +232,14 @@ def test_a_bearing_takes_over_its_parameters() -> None:
     assert bearing.contact.damping == pytest.approx(1.6, rel=1e-14)
     assert bearing.sliding == "centres"
     assert bearing.friction_speeds == (1e-4, 1e-3)
+
+
+def test_fittings_and_tables_that_are_none_are_refused_by_name() -> None:
+    for given in ((1, 0.2, 1.0), ((3, 0.2, 1.0),), ((1, 2.0, 1.0),), ((1, 0.2, 0.0),), ((1, 0.2),), 5):
+        with pytest.raises(ValueError, match=r"^panel_masses = "):
+            ArrayParameters(panel_masses=given)
+    for given in (5, ((0.0,),), ((0.0, 1.0), (1.0, 1.0)), ((1.0, 0.1), (0.0, 0.2)), ((0.0, math.nan), (4.0, 0.0))):
+        with pytest.raises(ValueError, match=r"^harness_torque = "):
+            ArrayParameters(harness_torque=given)
+    with pytest.raises(ValueError, match=r"release_after = 'joint 1': waits for itself"):
+        build(ArrayParameters(release_after=1))

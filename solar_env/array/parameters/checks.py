@@ -168,7 +168,7 @@ def _check_value(p: ArrayParameters, name: str, default: object, row: Row) -> No
     if value is None and row.optional:
         return
     if row.table:
-        _check_tables(p, name)
+        (_check_masses if name == "panel_masses" else _check_tables)(p, name)
         return
     entries = p.entries(name)
     _require(p, name, row.by_joint or not isinstance(value, tuple), "must be a single number")
@@ -193,6 +193,17 @@ def _check_tables(p: ArrayParameters, name: str) -> None:
         check_table(name, table)
         reached = not table or (table[0][0] <= 0.0 and table[-1][0] >= joint.lock_angle) or len(table) == 1
         _require(p, name, reached, f"must reach from 0 to the lock angle of {joint.name}, {joint.lock_angle:.6g} rad")
+
+
+def _check_masses(p: ArrayParameters, name: str) -> None:
+    rule = "must be a list of (number of a panel, distance from its inner hinge [m], mass [kg])"
+    given = getattr(p, name)
+    _require(p, name, isinstance(given, tuple), rule)
+    for entry in given:
+        numbers = isinstance(entry, tuple) and len(entry) == 3 and all(is_number(number) for number in entry)
+        _require(p, name, numbers and entry[0] in range(1, p.joint_count + 1), rule)
+        reach = p.by_joint("panel_length", int(entry[0]) - 1)
+        _require(p, name, 0.0 <= entry[1] <= reach and 0.0 < entry[2] < 1e20, f"{rule}; this panel is {reach!r} m long")
 
 
 def _check_bodies(p: ArrayParameters) -> None:

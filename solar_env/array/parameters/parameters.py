@@ -55,6 +55,8 @@ class ArrayParameters:
         panel_bending_stiffness: E I of the panels [N m2], by panel; None computes it from E, width and thickness.
         panel_damping: retardation time of the panels' material [s]: stress = E (strain + panel_damping * strain rate)
             (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
+        panel_masses: what is fixed to the panels, such as hinge fittings: lists of the number of a panel, from 1 at the
+            root, the distance from its inner hinge [m], and the mass [kg]; not with panels of modes.
         folding: "accordion", whose hinges open in turns counter-clockwise and clockwise, or "wrap", whose hinges all
             open counter-clockwise.
         fold_angle: angle from the folded position to the one in line with what bears the panel, by joint [rad]; None:
@@ -113,9 +115,9 @@ class ArrayParameters:
         wear_bins: circumferential bins of each surface.
         gravity: acceleration of free fall in a test on the ground [m/s2], for which the main body is held.
         gravity_angle: direction of that in the plane, from the x axis [rad].
-        offloading_share: share of each panel's weight that a hanger at its centre carries.
-        offloading_friction: friction force of a hanger over the weight that it carries; half a panel's length away from
-            the panel's hinge it resists that hinge's turning.
+        offloading_share: share of each panel's weight that a hanger at its centre of mass carries.
+        offloading_friction: friction force of a hanger over the weight that it carries; at its distance from the
+            panel's hinge it resists that hinge's turning.
         initial_spin: angular velocity of the main body about its centroid at t = 0 [rad/s].
         initial_rate: rate of the joint angles at t = 0, by joint, positive opens [rad/s].
     """
@@ -143,6 +145,7 @@ class ArrayParameters:
     panel_young: PerJoint = per_joint(280e6, c.POSITIVE, c.PANEL_MODULUS)
     panel_bending_stiffness: PerJoint | None = per_joint(None, c.POSITIVE, c.BENDING, optional=True)
     panel_damping: PerJoint = per_joint(1e-5, c.NOT_NEGATIVE, c.Usual(0.0, 0.01, "s", "parts of the critical damping"))
+    panel_masses: tuple[tuple[float, float, float], ...] = tabulated(())
     folding: str = number("accordion", among=("accordion", "wrap"))
     fold_angle: PerJoint | None = per_joint(None, c.FOLD, optional=True)
     lock_angle: PerJoint | None = per_joint(None, c.FOLD, optional=True)
@@ -272,6 +275,11 @@ class ArrayParameters:
             young * section,
             young * section * thickness**2 / 12.0 if bending is None else bending,
             damping,
+            tuple(
+                (place, mass)
+                for number, place, mass in self.panel_masses
+                if number - 1 in (joint, joint % self.panel_count)
+            ),
         )
 
     @property
@@ -284,7 +292,7 @@ class ArrayParameters:
         """Torque of dry friction in a hinge, counted from 0, and of its panel's hanger about it [N m]."""
         panel = self.panel(joint)
         of_hanger = self.offloading_friction * self.offloading_share * panel.mass * self.gravity
-        return float(self.by_joint("hinge_friction_torque", joint) + of_hanger * panel.length / 2)
+        return float(self.by_joint("hinge_friction_torque", joint) + of_hanger * panel.centroid)
 
     def table(self, name: str, joint: int) -> TorqueTable:
         """The table of a tabulated torque of a joint, counted from 0."""

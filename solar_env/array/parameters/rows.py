@@ -51,6 +51,7 @@ class PanelRow(NamedTuple):
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s].
+        masses: places from the inner hinge [m] and masses [kg] of what is fixed to it.
     """
 
     length: float
@@ -59,13 +60,23 @@ class PanelRow(NamedTuple):
     axial_stiffness: float
     bending_stiffness: float
     damping: float
+    masses: tuple[tuple[float, float], ...] = ()
 
     @property
     def mass(self) -> float:
-        """Mass [kg]."""
-        return self.linear_density * self.length
+        """Mass, with what is fixed to the panel [kg]."""
+        return self.linear_density * self.length + sum(mass for _, mass in self.masses)
+
+    @property
+    def centroid(self) -> float:
+        """Distance of the centre of mass from the inner hinge [m]."""
+        first = sum(mass * (place - self.length / 2) for place, mass in self.masses)
+        return self.length / 2 + first / self.mass
 
     @property
     def inertia(self) -> float:
         """Moment of inertia about the centre of mass [kg m2]."""
-        return self.mass * (self.length**2 + self.thickness**2) / 12.0
+        bare = self.linear_density * self.length
+        own = bare * (self.length**2 + self.thickness**2) / 12.0
+        moved = sum(mass * (place - self.centroid) ** 2 for place, mass in self.masses)
+        return own + bare * (self.centroid - self.length / 2) ** 2 + moved

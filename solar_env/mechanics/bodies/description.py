@@ -73,6 +73,7 @@ class FlexibleBody(AnyBody):
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
+        masses: places along the axis [m] and masses [kg] of what is fixed there, without inertia of its own.
     """
 
     length: float
@@ -81,9 +82,13 @@ class FlexibleBody(AnyBody):
     axial_stiffness: float
     bending_stiffness: float
     damping: float = 0.0
+    masses: tuple[Point, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        for place, mass in self.masses:
+            rule = f"must lie from 0 to {self.length!r} m along the beam, and its mass be positive"
+            require(0.0 <= place <= self.length and 0.0 < mass < math.inf, self, "masses", (place, mass), rule)
         require_count(self, "elements", 1, 1000)
         require_signs(self, ("length", "linear_density", "axial_stiffness", "bending_stiffness"), ("damping",))
 

@@ -130,7 +130,7 @@ def begin_event(model, state, settings, arrays, j, kind, time, speed):
     """Latch joint `j`, engage its stop, or start its contact, at a `time` [s] and an approach `speed` [m/s]."""
     joint, joint_state = model.joints[j], state.joints[j]
     if kind == LATCHING:
-        latch(model.joints, state, j, time, arrays.motion[j].rate)
+        latch(model.joints, state, j, time)
     elif kind == STOP_ENGAGEMENT:
         joint_state.stop_engaged = 1
     else:

@@ -133,8 +133,8 @@ def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
     time, latched = state.clock[0].time, state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
         joint, joint_state, motion = model.joints[j], state.joints[j], arrays.motion[j]
+        note_latch_torque(joint, joint_state, motion.angle, motion.rate)
         if joint_state.stop_engaged and j != event_joint:
-            note_latch_torque(joint, joint_state, motion.angle, motion.rate)
             release_stop(joint, joint_state, motion.angle, motion.rate)
         if joint.kind != m.CLEARANCE:
             note_force(joint_state, motion.force, latched)

@@ -32,8 +32,8 @@ def note_force(joint_state, force, postlock):
 
 
 @kernel(inlined=False)
-def latch(joints, state, j, time, rate):
-    """Latch joint `j` for good, at a time [s] and a rate of its angle [rad/s].
+def latch(joints, state, j, time):
+    """Latch joint `j` for good, at a time [s].
 
     The first latching starts the post-lock record of every joint.
     """
@@ -41,7 +41,7 @@ def latch(joints, state, j, time, rate):
         if joints[k].released_by == j:
             state.joints[k].release_time = time + joints[k].release_time
     state.joints[j].latched = 1
-    state.joints[j].latch_time, state.joints[j].latch_rate = time, rate
+    state.joints[j].latch_time, state.joints[j].latch_rate = time, math.nan
     if state.clock[0].latched_joints == 0:
         for k in range(state.joints.size):
             state.joints[k].lock_impulse = state.integrals[m.INTEGRALS_PER_JOINT * k + m.IMPULSE]
@@ -65,8 +65,10 @@ def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
 
 @kernel
 def note_latch_torque(joint, joint_state, angle, rate):
-    """Raise the greatest torque of a latch to that at an angle [rad] and a rate [rad/s]."""
+    """Note the rate of an angle [rad/s] at its latching, and the greatest torque of the latch since."""
     if joint_state.latched:
+        if math.isnan(joint_state.latch_rate):
+            joint_state.latch_rate = rate
         torque, _, _, _ = stop_torque(joint, joint_state, angle, rate)
         joint_state.peak_latch_torque = max(joint_state.peak_latch_torque, abs(torque))
 

@@ -26,6 +26,10 @@ from solar_env.verification.checks import ARNOLD_BRULS, ENERGY, Check, compare
 
 REDUCED = "theta2 = 2 theta1: reduced equation of motion"
 MINIMAL_MASSES = "generalized eigenvalues of the mass matrix and the hinge springs in minimal coordinates"
+DOUBLE_DOOR = (
+    "double door of J. Rupp and B. Schweizer's DeployStructLib (Modelica Conf. 2018, doi:10.3384/ecp18154187), rigid: "
+    "Lagrange's equations, integrated by SciPy's DOP853"
+)
 MIRROR = "mirror symmetry of two wings"
 NO_LOADS = "no external force or moment acts"
 HINGE_SHIFT = "a hinge out of its place by c changes inertias, and the time, by the order of c / L"
@@ -60,6 +64,7 @@ def rigid_array_motion() -> Iterator[Check]:
         ("dry friction in the hinges", ArrayParameters(hinge_friction_torque=0.02, hinge_friction_rate=0.02)),
         ("springs and harness by tables", ArrayParameters(spring_torque=_SPRING, harness_torque=_HARNESS)),
         ("a yoke and a panel", ArrayParameters(panel_length=(0.3, 1.5), panel_area_mass=(8.0, 3.0))),
+        ("fittings on the panels", ArrayParameters(panel_masses=((1, 0.1, 0.8), (1, 1.4, 0.5), (2, 0.0, 0.5)))),
         ("hinges that open in one sense", ArrayParameters(folding="wrap", cable_stiffness=0.0)),
         ("on the ground", ArrayParameters(**_GROUND, spring_stiffness=40.0)),
         ("on the ground, on hangers", ArrayParameters(**_GROUND, **_HANGERS)),
@@ -71,6 +76,28 @@ def rigid_array_motion() -> Iterator[Check]:
         opening = motion.time < np.nanmin(motion.latch_times, initial=math.inf)
         obtained = np.abs(motion.angles - joint_angles_over_time(parameters, times))[opening].max()
         yield Check(f"{name}: greatest difference of a joint angle [rad]", 0.0, obtained, 1e-9, MINIMAL)
+
+
+def double_door() -> Iterator[Check]:
+    """Two panels of one sense, with fittings and dampers, that swing into stops without latches."""
+    # Two masses at a small distance have the inertia of a fitting of 1e-6 kg m2.
+    apart, half = math.sqrt(1e-6 / 0.05), 0.025
+    places = ((1, 0.02), (1, 0.28), (2, 0.02))
+    fittings = tuple((panel, place + side * apart, half) for panel, place in places for side in (-1.0, 1.0))
+    door = ArrayParameters(
+        body_fixed=True, folding="wrap", fold_angle=math.pi / 2, panel_length=(0.3, 0.15), panel_width=(0.6, 0.5),
+        panel_thickness=0.007, panel_density=(195.1, 193.2), panel_masses=fittings, spring_stiffness=0.05,
+        spring_preload_angle=math.pi, hinge_damping=0.03, cable_stiffness=0.0, latching=0, latch_gap=0.0,
+        latch_stiffness=1000.0, latch_damping=0.0,
+    )  # fmt: skip
+    motion = simulate(build(door, "rigid-ideal"), 1.2, integrator=RungeKutta(rtol=1e-11, max_step=1e-4))
+    pairs = (
+        ("time at which hinge {} meets its stop [s]", (0.975177, 0.461077), motion.latch_times),
+        ("rate of hinge {} then [rad/s]", (2.565235, 2.351542), motion.latch_rates),
+        ("greatest torque of the stop of hinge {} [N m]", (14.2022, 1.70963), motion.peak_latch_torque),
+    )
+    for quantity, expected, obtained in pairs:
+        yield from compare(zip("12", expected, obtained, strict=True), quantity, 1e-5, DOUBLE_DOOR, relative=True)
 
 
 def two_wings() -> Iterator[Check]:

@@ -123,7 +123,7 @@ class Chain:
 def make_chain(p: ArrayParameters) -> Chain:
     """Main body (left out if it is fixed) and panels; the first inboard pin is the main body's centroid."""
     rows = [p.panel(joint.index) for joint in p.joints]
-    panels = [ChainLink(row.mass, row.inertia, row.length / 2 + 0j, row.length + 0j) for row in rows]
+    panels = [ChainLink(row.mass, row.inertia, row.centroid + 0j, row.length + 0j) for row in rows]
     if p.body_fixed:
         return Chain(panels, gravity=complex(*p.unsupported_gravity))
     return Chain([ChainLink(p.body_mass, p.body_inertia, 0j, complex(p.hinge_x, p.hinge_y)), *panels], free=True)

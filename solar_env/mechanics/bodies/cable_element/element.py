@@ -49,6 +49,9 @@ class CableElements(BodyKind[FlexibleBody]):
         for name in ("length", "elements", "element_length", "axial_stiffness", "bending_stiffness", "damping"):
             row[name] = getattr(body, name)
         mass = matrices.mass_matrix(body.elements, body.element_length, body.linear_density)
+        for place, lumped in body.masses:
+            shape = matrices.shape_at(body.elements, body.element_length, place)
+            mass += lumped * np.outer(shape, shape)
         for name, band in (("mass_band", matrices.lower_band(mass)), ("mass_factor", matrices.factor_band(mass))):
             row[name] = len(constants)
             constants += band.ravel().tolist()
@@ -78,6 +81,9 @@ class CableElements(BodyKind[FlexibleBody]):
             for k, share in enumerate((0.5, step / 12.0, 0.5, -step / 12.0)):
                 for axis in range(2):
                     force[4 * e + 2 * k + axis] += mass * share * gravity[axis]
+        for place, lumped in body.masses:
+            shape = matrices.shape_at(body.elements, step, place)
+            force += lumped * np.outer(shape, gravity).ravel()
         return force
 
     def error_weight(self, body: FlexibleBody) -> Array:

@@ -49,6 +49,20 @@ def mass_matrix(elements: int, element_length: float, linear_density: float) -> 
     return _assembled(linear_density * L / 420.0 * np.array(rows), elements)
 
 
+def shape_at(elements: int, element_length: float, place: float) -> NDArray[np.float64]:
+    """(2 (elements + 1),) shares of the nodes' places and slopes in the place of a point of the axis [m]."""
+    e = min(int(place / element_length), elements - 1)
+    s = place / element_length - e
+    shape = np.zeros(2 * (elements + 1))
+    shape[2 * e : 2 * e + 4] = (
+        1.0 - 3.0 * s**2 + 2.0 * s**3,
+        element_length * (s - 2.0 * s**2 + s**3),
+        3.0 * s**2 - 2.0 * s**3,
+        element_length * (s**3 - s**2),
+    )
+    return shape
+
+
 def stiffness_matrix(
     elements: int, element_length: float, axial_stiffness: float, bending_stiffness: float
 ) -> NDArray[np.float64]:

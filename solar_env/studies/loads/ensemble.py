@@ -25,6 +25,7 @@ from solar_env.support.campaigns import Campaign, Cell
 Array = NDArray[np.float64]
 
 STORE = "loads.jsonl"
+FINEST_OF_ELEMENTS = Level("flexible-clearance:12 elements", 10.0)
 SPHERES, CYLINDER = "lankarani-nikravesh", "pereira"
 
 
@@ -69,8 +70,8 @@ class LoadsPlan:
 
     @property
     def levels(self) -> tuple[Level, Level]:
-        """The level chosen, and the finest one."""
-        return Level(self.model), FINEST
+        """The level chosen, and the finest one, of elements where the panels have fittings."""
+        return Level(self.model), FINEST_OF_ELEMENTS if self.array.parameters.panel_masses else FINEST
 
 
 def run_member(cell: Cell) -> dict[str, object]:

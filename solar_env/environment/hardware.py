@@ -15,6 +15,9 @@ _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite n
 _ANGLE, _RATE = Usual(0.0, 0.3, "rad", "degrees"), Usual(0.0, 1.0, "rad/s", "degrees per second")
 _LAG = Usual(1e-6, 10.0, "s", "ms")
 
+# Of the drive's rate loop.
+OF_THE_LOOP = ("rate_loop_gain", "rate_loop_frequency", "rate_loop_lag", "setpoint_rate_limit", "load_compensation")
+
 
 @dataclass(frozen=True)
 class Hardware:

@@ -11,7 +11,7 @@ import numpy as np
 from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.methods import default_integrator
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
-from solar_env.environment.hardware import Hardware
+from solar_env.environment.hardware import OF_THE_LOOP, Hardware
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.drive import spring_load
 from solar_env.environment.task.observations import Entry, Names, observation_entries
@@ -165,6 +165,12 @@ class EnvironmentSettings:
                     "give torque_limit, which otherwise follows from their load"
                 )
             task = replace(task, torque_limit=task.torque_limit * load / usual_load)
+        of_loop = [name for name in self.hardware if name in OF_THE_LOOP] if isinstance(self.hardware, Mapping) else []
+        if of_loop and not task.has_loop:
+            raise ValueError(
+                f"hardware[{of_loop[0]!r}] is of the drive's rate loop, which action = {task.action!r} of version "
+                f"{self.version!r} leaves out"
+            )
         task.samples(self.devices)  # refuses a loop whose samples do not fit into a control period
         return task
 

@@ -91,3 +91,9 @@ def test_a_value_of_task_or_hardware_that_is_probably_in_another_unit_is_told(ke
     monkeypatch.setattr(checks, "_told", set())
     with pytest.warns(UnitWarning, match=told):
         EnvironmentSettings(**keywords)
+
+
+def test_what_is_of_a_rate_loop_is_refused_where_there_is_none():
+    with pytest.raises(ValueError, match=r"hardware\['rate_loop_gain'\] is of the drive's rate loop, .* 'torque'"):
+        EnvironmentSettings(version="v1", hardware={"rate_loop_gain": 5.0})
+    assert EnvironmentSettings(action="torque", hardware={"rate_loop_gain": 5.0}).devices.rate_loop_gain == 5.0

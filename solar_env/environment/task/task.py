@@ -63,9 +63,14 @@ class Task:
         """Joint of each motor; an action has an entry for each."""
         return self.driven_joint if isinstance(self.driven_joint, tuple) else (self.driven_joint,)
 
+    @property
+    def has_loop(self) -> bool:
+        """Whether the drives have a rate loop to close."""
+        return ACTIONS[self.action] != TORQUE or self.drive_settles
+
     def samples(self, hardware: Hardware) -> int:
         """Samples of the drive in a control period, which they must fill: 1 where it has no loop to close."""
-        if ACTIONS[self.action] == TORQUE and not self.drive_settles:
+        if not self.has_loop:
             return 1
         samples = self.control_period * hardware.rate_loop_frequency
         if round(samples) < 1 or not math.isclose(samples, round(samples), rel_tol=1e-9):

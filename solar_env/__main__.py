@@ -66,7 +66,7 @@ def _answer(words: Sequence[str]) -> int:
 
 
 def _sentence(error: Exception) -> str:
-    """What an error says; one of the system without its number."""
+    """Text of an error; of one of the system without its number."""
     if isinstance(error, MemoryError):
         return f"memory has no room for what was asked for ({str(error) or 'it is full'}); ask for less"
     if not isinstance(error, OSError) or error.strerror is None:

@@ -31,23 +31,14 @@ def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mech
     Joints are ideal, without play and friction: what is asked of it are vibrations of small amplitude.
     """
     p = parameters.with_changes({"initial_spin": 0.0, "initial_rate": 0.0, "gravity": 0.0})
-    folded, directions = build(p, ModelLevel.of(model)), [0.0]
-    bodies = [folded.bodies[0]]
-    for row, panel in zip(p.joints, folded.bodies[1:], strict=True):
-        if row.inboard == MAIN_BODY:
-            hinge = (row.side * p.hinge_x, p.hinge_y)
-        angle = directions[row.inboard] + _outward(row) + row.sign * (row.lock_angle - row.fold_angle)
-        directions.append(angle)
-        bodies.append(replace(panel, position=hinge, angle=angle))
-        length = p.by_joint("panel_length", row.index)
-        hinge = (hinge[0] + length * math.cos(angle), hinge[1] + length * math.sin(angle))
+    opened = _build(p, ModelLevel.of(model), [row.lock_angle for row in p.joints])
     ideal = dict.fromkeys(("stop", "lock_angle", "stow_angle", "release_time", "release_after", "bearing"))
     bare: dict[str, Any] = {**ideal, "spring_table": (), "harness": (), "damping": 0.0, "friction_torque": 0.0}
     joints = tuple(
         replace(joint, **bare, spring=Spring(p.by_joint("latch_stiffness", row.index), row.lock_angle))
-        for row, joint in zip(p.joints, folded.joints, strict=True)
+        for row, joint in zip(p.joints, opened.joints, strict=True)
     )
-    return replace(folded, bodies=tuple(bodies), joints=joints)
+    return replace(opened, joints=joints)
 
 
 def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearance") -> Mechanism:
@@ -60,13 +51,17 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
     Raises:
         ValueError: if the level is unknown or does not go with a parameter.
     """
-    level, p = ModelLevel.of(model), parameters
+    return _build(parameters, ModelLevel.of(model), [0.0] * parameters.joint_count)
+
+
+def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float]) -> Mechanism:
+    """Describe the array at some joint angles [rad]."""
     bodies, joints, cables = [_main_body(p)], [], []
-    for row in p.joints:
+    for row, opened in zip(p.joints, joint_angles, strict=True):
         if row.inboard == MAIN_BODY:
             hinge, spin, angle = (row.side * p.hinge_x, p.hinge_y), p.initial_spin, _outward(row)
             velocity = _turning(spin, hinge)
-        angle -= row.sign * row.fold_angle
+        angle -= row.sign * (row.fold_angle - opened)
         length = p.by_joint("panel_length", row.index)
         spin += row.sign * p.by_joint("initial_rate", row.index)
         motion = {"position": hinge, "angle": angle, "velocity": velocity, "spin": spin}
@@ -74,9 +69,9 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
         joints.append(_joint(p, level, row, bodies))
         if row.inboard != MAIN_BODY:
             cables.append(_cable(p, p.joints[row.index - 1], row))
-        folded = (length * round(math.cos(angle), 15), length * math.sin(angle))
-        turning = _turning(spin, folded)
-        hinge = (hinge[0] + folded[0], hinge[1] + folded[1])
+        along = (length * round(math.cos(angle), 15), length * math.sin(angle))
+        turning = _turning(spin, along)
+        hinge = (hinge[0] + along[0], hinge[1] + along[1])
         velocity = (velocity[0] + turning[0], velocity[1] + turning[1])
     parts = tuple(bodies), tuple(joints), tuple(cables)
     return Mechanism(*parts, gravity=p.unsupported_gravity, wear_bins=p.wear_bins)

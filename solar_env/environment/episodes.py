@@ -31,7 +31,7 @@ class SavedEpisode(NamedTuple):
     """
 
     parameters: ArrayParameters
-    environment: Mapping[str, object]
+    conditions: Mapping[str, object]
     state: Any
     terms: NDArray[np.float64]
     account: NDArray[np.float64]
@@ -184,14 +184,7 @@ class Episodes:
         account, terms, drives = (
             values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.drives)
         )
-        return SavedEpisode(self.parameters[lane], self._environment(lane), state, terms, account, drives, sensors)
-
-    def _environment(self, lane: int) -> dict[str, object]:
-        """What an episode of a lane depends on beside its parameters, by name."""
-        of_lane = self.lanes[lane]
-        loads = {name: self._numbers.motors[lane][name].tolist() for name in ("load", "load_slope")}
-        known = {"model": str(of_lane.level), "observation": of_lane.observation_names, "reward": of_lane.terms.prices}
-        return {**known, **vars(of_lane.task), **vars(of_lane.devices), **loads}
+        return SavedEpisode(self.parameters[lane], self.lanes[lane].conditions, state, terms, account, drives, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
@@ -202,8 +195,8 @@ class Episodes:
         """
         if not isinstance(saved, SavedEpisode):
             raise ValueError(f"{str(saved)[:100]} is no saved episode; give what save() returned")
-        for name, value in self._environment(lane).items():
-            if (other := saved.environment[name]) != value:
+        for name, value in self.lanes[lane].conditions.items():
+            if (other := saved.conditions[name]) != value:
                 raise ValueError(
                     f"the saved episode had {name} = {other!r}, this environment has {value!r}: go on with it in an "
                     "equal one"

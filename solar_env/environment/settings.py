@@ -13,7 +13,7 @@ from solar_env.array.methods import default_integrator
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import OF_THE_LOOP, Hardware
 from solar_env.environment.scenarios import SCENARIOS
-from solar_env.environment.task.drive import spring_load
+from solar_env.environment.task.drive import spring_load, task_numbers
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward, RewardFunction
 from solar_env.environment.task.sensors import Sensors
@@ -126,10 +126,8 @@ class EnvironmentSettings:
         """Parameter -> (low, high), by joint where the parameter is."""
         if self.randomize is not None:
             return checked_ranges(self.array, self.randomize)
-        joints, usual = len(self.array.joints), SCENARIOS[self.scenario].ranges(self.array)
-        pairs = {name: [b[:joints] if isinstance(b, tuple) else b for b in pair] for name, pair in usual.items()}
         try:
-            return checked_ranges(self.array, {name: (low, high) for name, (low, high) in pairs.items()})
+            return checked_ranges(self.array, SCENARIOS[self.scenario].ranges(self.array))
         except ValueError as error:
             raise ValueError(f"scenario={self.scenario!r} draws around the array's parameters: {error}") from error
 
@@ -189,6 +187,14 @@ class EnvironmentSettings:
     def terms(self) -> Reward:
         """The terms of the reward with their prices."""
         return Reward(self.reward, VERSIONS[self.version])
+
+    @cached_property
+    def conditions(self) -> dict[str, object]:
+        """Conditions of an episode beside its parameters, by name: equal where it can be gone on with."""
+        known = {"model": str(self.level), "observation": self.observation_names, "reward": self.terms.prices}
+        motors = task_numbers(self.task, self.devices, self.array).motors
+        loads = {name: motors[name].tolist() for name in ("load", "load_slope")}
+        return {**known, **vars(self.task), **vars(self.devices), **loads}
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""

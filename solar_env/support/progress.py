@@ -1,4 +1,4 @@
-"""What a command shows: how far it is, by a bar in a terminal and nothing in the log of a job, and tables."""
+"""Signs of life of a command: how far it is, by a bar in a terminal and nothing in the log of a job, and tables."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

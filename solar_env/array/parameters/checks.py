@@ -1,4 +1,4 @@
-"""What values a parameter of the array takes: its row, and checks that follow from the row or from several parameters.
+"""Values that a parameter of the array takes: its row, and checks that follow from the row or from several parameters.
 
 Bad values are refused by name, value and rule; of those that no spacecraft has, most likely a slip of units, a warning
 tells before anything is simulated.
@@ -39,8 +39,7 @@ class Usual(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A parameter's properties beside its default; `among` are the texts that it may be; a `table` is of
-    torques over angles.
+    """A parameter's properties beside its default; `among` are the texts that it may be; a `table` has rows of numbers.
 
     A quantity by joint may differ from joint to joint; one drawn by joint does where one range is drawn from.
     """
@@ -127,9 +126,8 @@ def check_parameters(p: ArrayParameters) -> None:
     rule = "needs body_fixed = true: in a test on the ground the main body is held"
     _require(p, "gravity", p.gravity == 0.0 or p.body_fixed, rule)
     _check_bodies(p)
-    for name, allowed in (("latching", (0.0, 1.0)), ("release_after", range(len(p.joints) + 1))):
-        rule = f"must be one of {', '.join(f'{value:g}' for value in allowed)}"
-        _require(p, name, set(p.for_each_joint(name)) <= set(allowed), rule)
+    rule = f"must be the number of a joint, 1 to {p.joint_count}, or 0 for none"
+    _require(p, "release_after", max(p.for_each_joint("release_after")) <= p.joint_count, rule)
     below = all(
         z < f for z, f in zip(*map(p.for_each_joint, ("friction_speed_zero", "friction_speed_full")), strict=True)
     )

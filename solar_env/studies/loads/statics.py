@@ -1,4 +1,4 @@
-"""What is told of an array before it is run: the torque that its hinges have left, and frequencies when deployed."""
+"""Figures of an array before it is run: the torque that its hinges have left, and its frequencies when deployed."""
 
 import math
 from collections.abc import Mapping

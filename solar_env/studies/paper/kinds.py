@@ -66,7 +66,7 @@ class PaperFigure(ABC):
 
     @abstractmethod
     def _conclude(self, table: Table) -> str:
-        """What the table shows, in words."""
+        """Content of the table, in words."""
 
     @property
     def stem(self) -> str:

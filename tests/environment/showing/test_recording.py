@@ -1,4 +1,4 @@
-"""What recorders and films show has happened, whatever is restored, refused or begun beneath them."""
+"""Recorders and films show what has happened, whatever is restored, refused or begun beneath them."""
 
 from __future__ import annotations
 

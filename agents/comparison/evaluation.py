@@ -81,6 +81,15 @@ def evaluate(
         for episode_seed in seeds
     ]
     rows: list[Row] = [{**label, **of} for label, of in zip(labels, run_cells(cells, workers, progress), strict=True)]
+    return without_failed(rows)
+
+
+def without_failed(rows: Sequence[Row]) -> list[Row]:
+    """Leave out the episodes whose simulation cannot go on under one of the controllers, with a warning.
+
+    Raises:
+        ValueError: More than a tenth of the episodes failed.
+    """
     failed = [row for row in rows if "failure" in row]
     names = {f"{row['controller']}, episode {row['episode']}, seed {row['seed']}": row["failure"] for row in failed}
     if text := told(names, len(rows)):

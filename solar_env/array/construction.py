@@ -115,7 +115,7 @@ def _joint(p: ArrayParameters, level: ModelLevel, row: JointRow, bodies: Sequenc
         harness=p.table("harness_torque", k),
         damping=p.by_joint("hinge_damping", k),
         friction_torque=p.friction_torque(k),
-        friction_ramp_rate=p.by_joint("hinge_friction_rate", k),
+        friction_ramp_rate=p.friction_rate(k),
     )
 
 

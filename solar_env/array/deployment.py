@@ -5,11 +5,13 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array.construction import build
+from solar_env.array.construction import build, main_body_frame
 from solar_env.array.level import ModelLevel
 from solar_env.array.methods import announce_compilation, make_integrator, mark_compiled
 from solar_env.array.parameters import ArrayParameters
+from solar_env.array.parameters.parameters import MAIN_BODY
 from solar_env.mechanics.analysis.geometry import centreline
+from solar_env.mechanics.equations.formulation import ModelArrays
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
@@ -69,15 +71,29 @@ def simulate(
     return trajectory
 
 
+def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
+    """The array of a deployment, and the compiled model that its coordinates belong to, from the metadata."""
+    details = trajectory.metadata
+    parameters = ArrayParameters().with_changes(details["parameters"])
+    mechanism = build(parameters, details["model"])
+    return parameters, METHODS[details["integrator"]].formulation.compile(mechanism)[0]
+
+
+def hub_turn(trajectory: Trajectory) -> NDArray[np.float64]:
+    """Compute the angle by which the main body has turned since the first sample, (nt,) [rad]."""
+    parameters, model = compiled(trajectory)
+    _, along, _ = main_body_frame(parameters, centreline(model, trajectory.coordinates, MAIN_BODY))
+    turn = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+    return np.asarray(turn - turn[0])
+
+
 def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
     """Deflection of every panel's middle from the chord between its ends, over the samples of a deployment.
 
     Returns:
         (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip.
     """
-    details = trajectory.metadata
-    parameters = ArrayParameters().with_changes(details["parameters"])
-    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
+    parameters, model = compiled(trajectory)
     deflections = []
     for joint in parameters.joints:
         points = centreline(model, trajectory.coordinates, joint.panel, 2)

@@ -87,6 +87,19 @@ def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None 
     return (*hinges, *map(_together, wings)) if loops else hinges
 
 
+def slowest_damper(parameters: ArrayParameters, duration: float) -> float:
+    """Compute the damping [N m s/rad] with which the mean torque of the weakest hinge opens it within a duration [s].
+
+    Raises:
+        ValueError: A hinge has no torque.
+    """
+    hinges = motorization(parameters)[: parameters.joint_count]
+    most = min(float(hinge.driving.mean()) * duration / hinge.angles[-1] for hinge in hinges)
+    if most <= 0.0:
+        raise ValueError("a hinge has no torque, which says nothing of a usual damper; give hinge_damping=LOW,HIGH")
+    return float(f"{most:.2g}")
+
+
 def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) -> Motorization:
     k, angles = joint.index, np.linspace(0.0, joint.lock_angle, _ANGLES)
     spring = p.by_joint("spring_stiffness", k) * (p.by_joint("spring_preload_angle", k) - angles)

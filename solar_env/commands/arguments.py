@@ -14,7 +14,8 @@ from typing import Annotated, TypeVar, get_type_hints
 import tyro
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, ParameterFile, read_parameters
+from solar_env.array import ParameterFile, read_parameters
+from solar_env.array.parameters.file import named_array
 from solar_env.support.files import make_folder
 
 Arguments = TypeVar("Arguments")
@@ -64,19 +65,18 @@ class ArrayOption:
     """The array that a command is about."""
 
     array: Annotated[str, tyro.conf.Positional] = "default"
-    """default or paper: the array of Li, Wang and Huang (2019), with the paper's choices or ours; or a file of
-    parameters (TOML), see solar-env parameters"""
+    """default or paper: the array of Li, Wang and Huang (2019), with our choices or the paper's; cubesat-6u, apple (two
+    wings, each of a yoke and a panel) or tape-spring, from published data; or a file of parameters (TOML), see
+    solar-env parameters"""
 
     @property
     def parameter_file(self) -> ParameterFile:
-        """Parameters and their ranges; what has no suffix is the name of a preset.
+        """Parameters and their ranges; what has no suffix is the name of an array.
 
         Raises:
-            ValueError, OSError: There is no such preset, or the file cannot be read, or is refused.
+            ValueError, OSError: There is no such array, or the file cannot be read, or is refused.
         """
-        if Path(self.array).suffix:
-            return read_parameters(self.array)
-        return ParameterFile(ArrayParameters.preset(self.array), {})
+        return read_parameters(self.array) if Path(self.array).suffix else named_array(self.array)
 
 
 @dataclasses.dataclass

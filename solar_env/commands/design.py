@@ -1,48 +1,77 @@
-"""`solar-env design`: peak force and wear over clearances and stiffnesses, and over repeated ground tests."""
+"""`solar-env design`: which values of some parameters make a figure least."""
 
-from dataclasses import dataclass
-from typing import Annotated
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 
-import tyro
-
-from solar_env.commands.arguments import FolderOptions, WorkerOptions
-from solar_env.support.readme import STUDIES
+from solar_env.commands.arguments import ArrayOption, CommandRecord, WorkerOptions, parse_assignments
+from solar_env.support.files import make_folder
 
 
 @dataclass
-class Args(FolderOptions, WorkerOptions):
-    """Map peak force and wear over clearances and stiffnesses.
+class Args(ArrayOption, WorkerOptions, CommandRecord):
+    """Find the values of some parameters that make a figure least.
 
-    Stiffnesses are those of latch and cable.
-    With --readme the picture goes into the page of the study, the table into ./design.
+    One or two parameters are mapped, more are searched by CMA-ES. A figure is that of the joint where it is greatest,
+    in the unit in which `loads` prints it. All joints have the same value of a parameter, or are scaled alike where
+    they differ.
     """
 
-    preset: Annotated[str, tyro.conf.Positional] = "default"
-    """parameter set: default or paper"""
-    members: int = 8
-    """runs of the ensemble in each cell"""
-    ground_tests: int = 0
-    """instead of the maps, repeat so many deployments with the worn clearance fed back"""
+    change: list[str] = field(default_factory=lambda: ["hinge_damping", "latch_damping"])
+    """parameters, each with its range or without: hinge_damping=0,5 latch_damping; of one that differs from joint to
+    joint the range is one of factors"""
+    keep: list[str] = field(default_factory=lambda: ["latch_time < 60"])
+    """what must hold, for example "latch_time < 30" "peak_force < 300" """
+    least: str = "latch_torque"
+    """what is to be least, by the name of a quantity of loads"""
+    points: int = 49
+    """designs that are tried"""
+    runs: int = 2
+    """deployments that a design is judged by"""
+    seed: int = 0
+    """of a search"""
+    out: Path = Path("design")
+    """folder of table, picture and runs, with which an interrupted study goes on"""
 
 
 def run_command(args: Args) -> int:
-    """Measure what is missing, write the table and draw it."""
-    from solar_env.studies.common.tables import provenance, read_table, write_table
-    from solar_env.studies.design import design_map, ground_test, plots
+    """Find the design, print it, write the table and draw it."""
+    from solar_env.array import default_integrator
+    from solar_env.commands.warmup import warm_up
+    from solar_env.studies.common.tables import provenance, write_table
+    from solar_env.studies.design.plan import DesignPlan, parse_condition, quantity_name
+    from solar_env.studies.design.plot import draw_design
+    from solar_env.studies.design.points import CANDIDATES, Bench
+    from solar_env.studies.design.search import answer, find_design, row_of
+    from solar_env.support.progress import wide_console
 
-    if args.members < 1 or args.ground_tests < 0:
-        raise ValueError(f"members = {args.members} must be at least 1, ground tests = {args.ground_tests} at least 0")
+    keep = tuple(map(parse_condition, args.keep))
+    plan = DesignPlan(args.parameter_file, ranges(args.change), keep, quantity_name(args.least), args.runs, args.points)
     workers = args.workers
-    tables, pictures = args.folders("design", None, STUDIES / "design" / "figures")
-    path = tables / (ground_test.FILE if args.ground_tests else design_map.FILE)
-    if not args.draw:
-        if args.ground_tests:
-            rows = ground_test.measure_ground_tests(args.preset, args.ground_tests, workers, args.console)
-        else:
-            rows = design_map.measure_design(args.preset, args.members, workers, tables, args.console)
-        settings = {name: getattr(args, name) for name in ("preset", "members", "ground_tests")}
-        write_table(path, rows, provenance("solar-env design", **settings))
-        print(path)
-    draw = plots.draw_ground_test if args.ground_tests else plots.draw_design
-    print(draw(read_table(path), pictures))
+    make_folder(args.out)
+    for model in CANDIDATES[:2]:
+        warm_up(args.console, model, default_integrator(model).name)
+    found = find_design(Bench(plan, args.out, workers, args.console), args.seed, not args.quiet)
+    table, picture = args.out / "design.csv", args.out / "design.png"
+    write_table(table, [row_of(plan, point) for point in (found.today, *found.points)], provenance(args.command))
+    draw_design(found, picture)
+    for line in answer(found):
+        wide_console().print(line, highlight=False)
+    print(table, picture, sep="\n")
     return 0
+
+
+def ranges(words: Sequence[str]) -> dict[str, object]:
+    """Turn words such as "latch_damping" and "hinge_damping=0,5" into ranges by name; None where none is given.
+
+    Raises:
+        ValueError: A word cannot be read, or a name is given twice.
+    """
+    found: dict[str, object] = {}
+    for word in words:
+        given = parse_assignments([word]) if "=" in word else {word.strip(): None}
+        twice = [name for name in given if name in found]
+        if twice:
+            raise ValueError(f"{twice[0]!r} is given twice; give it once")
+        found |= given
+    return found

@@ -24,7 +24,7 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
     model: str = "flexible-clearance"
     """level of the model; solar-env ladder --ask tells of others"""
     runs: int = 16
-    """deployments at each of the two levels"""
+    """deployments at each of the two levels; 0 tells motorization and frequencies alone"""
     window: float = 10.0
     """time simulated after the last latching [s]"""
     deadline: float = 60.0
@@ -44,12 +44,17 @@ def run_command(args: Args) -> int:
     """Run the ensemble, print the answer and the tables, write what was asked for."""
     from solar_env.studies.loads.ensemble import LoadsPlan, measure_loads
     from solar_env.studies.loads.hub import write_hub_loads
-    from solar_env.studies.loads.report import answer, loads_page, tables
+    from solar_env.studies.loads.page import loads_page
+    from solar_env.studies.loads.report import answer, tables
     from solar_env.studies.loads.runs import deploy
     from solar_env.studies.loads.statics import statics
     from solar_env.support.versions import versions
 
     array = args.parameter_file
+    if args.runs == 0:
+        for line in statics(array.parameters, args.factors):
+            wide_console().print(line, highlight=False)
+        return 0
     plan, workers = LoadsPlan(array, args.model, args.runs, args.window, args.deadline), args.workers
     for level in plan.levels:
         build(array.parameters, level.model)  # refuses before anything is compiled

@@ -5,19 +5,21 @@ from typing import Annotated
 
 import tyro
 
-from solar_env.array import ArrayParameters
-from solar_env.array.parameters.file import parameter_text
+from solar_env.array.parameters.file import WINGS, named_array, parameter_text
 
 
 @dataclass
 class Args:
     """Print a complete file of parameters, each explained."""
 
-    preset: Annotated[str, tyro.conf.Positional] = "default"
-    """parameter set: default or paper"""
+    array: Annotated[str, tyro.conf.Positional] = "default"
+    """default, paper, cubesat-6u, apple or tape-spring"""
 
 
 def run_command(args: Args) -> int:
     """Print the file."""
-    print(parameter_text(ArrayParameters.preset(args.preset)), end="")
+    if args.array in WINGS:
+        print(WINGS[args.array].read_text(encoding="utf-8"), end="")
+    else:
+        print(parameter_text(named_array(args.array).parameters), end="")
     return 0

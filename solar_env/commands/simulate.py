@@ -72,7 +72,7 @@ def run_command(args: Args) -> int:
     from solar_env.mechanics.running.simulation import sample_times
 
     sample_times(args.duration, args.output_step)
-    from solar_env.array.deployment import panel_deflections, simulate
+    from solar_env.array.deployment import hub_turn, panel_deflections, simulate
     from solar_env.commands.warmup import warm_up
 
     warm_up(args.console, level.name, name)
@@ -86,12 +86,15 @@ def run_command(args: Args) -> int:
             output_step=args.output_step,
             progress=lambda time: progress.update(task, completed=time),
         )
-    summary = trajectory.summary()
+    summary = trajectory.summary() | {"hub_turn_deg": float(np.degrees(hub_turn(trajectory)[-1]))}
     if str(args.json) == "-":
         json.dump(summary, sys.stdout, indent=2)
         print()
     else:
         _print_summary(summary)
+        hinges = motorization(parameters)
+        if any(hinge.asked.any() for hinge in hinges):
+            print(f"Motorization: {'; '.join(map(str, hinges))}.")
         if (latched := int(np.isfinite(trajectory.latch_times).sum())) < len(trajectory.latch_times):
             print(_unlatched(parameters, trajectory.angles[-1], latched, args.duration))
         if args.json:

@@ -137,6 +137,10 @@ class Campaign:
         """The results of all cells, in their order, once none is missing."""
         return [self._results[key] for key in self.cells]
 
+    def result(self, cell: Cell) -> Any:
+        """The result of a cell that is done."""
+        return self._results[_key(cell)]
+
 
 @cache
 def _code_digest() -> str:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
-from solar_env.verification.arrays import deployments, impacts
+from solar_env.verification.arrays import deployments, hand_checks, impacts
 from solar_env.verification.beams import dynamics, statics
 from solar_env.verification.checks import Check
 from solar_env.verification.impacts import impact, sliding, stops
@@ -29,6 +29,7 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "double-door": deployments.double_door,
     "two-wings": deployments.two_wings,
     "latch-times": deployments.latch_times,
+    "hand-checks": hand_checks.hand_checks,
     "clearance-limit": deployments.clearance_limit,
     "rigid-limit": deployments.rigid_limit,
     "flexible-agreement": deployments.two_integrators,

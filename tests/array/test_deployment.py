@@ -13,7 +13,7 @@ import pytest
 from deployments import NATURAL_LEVELS
 
 from solar_env.array import MODELS, ArrayParameters, build
-from solar_env.array.deployment import panel_deflections, simulate
+from solar_env.array.deployment import hub_turn, panel_deflections, simulate
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import RATE
@@ -171,3 +171,28 @@ def test_strands_that_pull_on_the_bearings_close_the_book(model: str, rtol: floa
     # Journals on their walls ease strands of 4000 N/m by twice the clearance.
     pull = 2.0 * (10.0 - 4000.0 * 2.0 * 2e-4)
     assert np.median(motion.normal_force[motion.time > 1.0], axis=0) == pytest.approx([pull, pull], rel=0.01)
+
+
+def test_angles_and_the_rates_of_latches_do_not_hang_on_the_samples_nor_on_which_joint_is_first() -> None:
+    changes = {"wings": 2, "spring_preload_angle": (2.0, 3.5)}
+    fine, coarse = (simulate(changes, model="rigid-ideal", duration=15.0, output_step=step) for step in (0.01, 15.0))
+    assert np.array_equal(fine.angles[-1], coarse.angles[-1]), "opened by more than pi between two samples"
+    for run in (fine, coarse):
+        assert run.latch_times[:2] == pytest.approx(run.latch_times[2:], rel=1e-12)
+        assert run.latch_rates[:2] == pytest.approx(run.latch_rates[2:], rel=1e-9)
+
+
+def test_a_tabulated_spring_puts_in_what_it_gives() -> None:
+    torque = {"spring_stiffness": 0.0, "spring_torque": ((0.0, 0.1), (3.2, 0.1)), "cable_stiffness": 0.0}
+    run = simulate(torque, model="rigid-ideal", duration=20.0)
+    assert run.energy_put_in == pytest.approx(0.1 * run.angles.sum(axis=1).max(), rel=1e-9)
+
+
+def test_the_hub_turns_as_its_momentum_has_it() -> None:
+    """Of a hub so heavy that the panel turns alone: the hub's momentum is the panel's about the common centre."""
+    run = simulate({"panel_count": 1, "body_inertia": 250.0, "hinge_x": 0.0}, model="rigid-ideal", duration=2.0)
+    turn = hub_turn(run)
+    assert turn[0] == 0.0
+    assert turn[-1] < 0.0, "against the opening panel"
+    assert abs(turn[-1]) == pytest.approx(4.5 / 254.5 * run.angles[-1, 0], rel=0.02)
+    assert not hub_turn(simulate({"body_fixed": True}, model="rigid-ideal", duration=1.0)).any()

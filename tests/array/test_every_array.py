@@ -52,7 +52,7 @@ def arrays(draw: st.DrawFn) -> ArrayParameters:
     }
     if not changes["body_fixed"]:
         changes["initial_spin"] = draw(st.floats(-0.1, 0.1))
-    if changes["contact_law"] == "pereira":
+    if changes["contact_law"] in ("pereira", "bracket"):
         changes["contact_stiffness"] = None
     default = ArrayParameters()
     for name in draw(st.lists(st.sampled_from(NAMES), max_size=8, unique=True)):

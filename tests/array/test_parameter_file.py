@@ -76,7 +76,7 @@ REFUSED = (
     ("[tolerance]\nbody_mass = -1", "must be a finite number, not negative"),
     ("[tolerance]\nbody_mass = [1, 2]", "must be a single number"),
     ("[tolerance]\nclearance = [1e-6, 1e-6, 1e-6]", "more entries than panels"),
-    ("[tolerance]\nclearance = 3e-4", "tolerance of clearance = 0.0003 is too wide or none: clearance = "),
+    ("[tolerance]\nclearance = 3e-4", "tolerance of clearance = 0.0003 is refused: clearance = "),
     ("[tolerance]\nbody_mass=1\n[randomize]\nbody_mass = [1, 2]", "stands in both"),
     ("tolerance.clearance = -1", "must be a finite number"),
     ("[randomise]\nclearance = [1e-5, 1e-4]", "did you mean 'randomize'"),

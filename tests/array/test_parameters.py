@@ -47,7 +47,7 @@ POSITIVE = (
     "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
     "panel_young", "cable_wheel_radius", "journal_radius", "bearing_width", "clearance", "contact_stiffness",
     "panel_count", "wear_bins", "restitution", "minimum_impact_speed", "journal_young", "bearing_young",
-    "latch_stiffness", "latch_ramp_depth", "panel_area_mass", "panel_bending_stiffness", "hinge_friction_rate",
+    "latch_stiffness", "latch_ramp_depth", "panel_area_mass", "panel_bending_stiffness",
 )  # fmt: skip
 NOT_NEGATIVE = (
     "panel_damping", "cable_stiffness", "cable_preload_force", "cable_torque_ratio", "friction_coefficient",
@@ -243,3 +243,19 @@ def test_fittings_and_tables_that_are_none_are_refused_by_name() -> None:
             ArrayParameters(harness_torque=given)
     with pytest.raises(ValueError, match=r"release_after = 'joint 1': waits for itself"):
         build(ArrayParameters(release_after=1))
+
+
+def test_dry_friction_turns_round_at_a_hundredth_of_the_rate_at_which_a_spring_opens_a_lone_panel():
+    one = ArrayParameters(panel_count=1)
+    # Half a spring's k (pi/2)^2 is the energy of 4.5 kg m2.
+    assert one.friction_rate(0) == pytest.approx(0.01 * math.sqrt(0.1 * (math.pi / 2) ** 2 / 4.5), rel=1e-12)
+    table = ArrayParameters(panel_count=1, spring_stiffness=0.0, spring_torque=((0.0, 0.1), (math.pi / 2, 0.3)))
+    assert table.friction_rate(0) == pytest.approx(0.01 * math.sqrt(2.0 * 0.1 * math.pi / 4.5), rel=1e-12)
+    assert ArrayParameters(spring_stiffness=0.0).friction_rate(0) > 0.0
+    assert ArrayParameters(hinge_friction_rate=0.02).friction_rate(1) == 0.02
+
+
+def test_angles_that_were_rounded_up_or_down_are_taken():
+    ArrayParameters(spring_preload_angle=6.2832, harness_torque=((0.0, 0.1), (3.1415, 0.0)))
+    with pytest.raises(ValueError, match=r"must reach from 0 to the lock angle of joint 2, 3\.14159 rad"):
+        ArrayParameters(harness_torque=((0.0, 0.1), (3.13, 0.0)))

@@ -16,7 +16,7 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.array import MODELS
-from solar_env.array.deployment import simulate
+from solar_env.array.deployment import hub_turn, simulate
 from solar_env.commands import table
 from solar_env.commands.arguments import parse_assignments
 from solar_env.commands.studies import figures
@@ -58,7 +58,7 @@ def test_simulate_writes_summary_trajectory_and_figure(tmp_path, capsys):
     assert (summary["model"], summary["status"]) == (model, "completed")
     assert None not in summary["latch_times_s"]
     trajectory = Trajectory.load(files["npz"])
-    assert trajectory.summary() == summary
+    assert trajectory.summary() | {"hub_turn_deg": np.degrees(hub_turn(trajectory)[-1])} == summary
     assert np.array_equal(trajectory.clearance, [1e-4, 2e-4])
     assert trajectory.metadata["model"] == model
     assert trajectory.coordinates.shape[1] == 4 + 2 * 12

@@ -71,7 +71,7 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
         (["--hub", "hub.npz"], ["suffix", ".npz", ".csv"]),
         (["--html", "page.pdf"], ["suffix", ".pdf", ".html"]),
         (["--html", "no/such/page.html"], ["folder", "no/such/page.html"]),
-        (["--runs", "0"], ["runs", "0"]),
+        (["--runs", "-1"], ["runs", "-1"]),
         (["--model", "rigid-ideal"], ["rigid-ideal", "clearance"]),
         (["--window", "-1"], ["window", "-1"]),
         (["--window", "nan"], ["window", "nan"]),
@@ -84,3 +84,10 @@ def test_wrong_input_is_refused_before_anything_is_compiled(options, words, arra
     message = capsys.readouterr().err
     for word in words:
         assert word in message
+
+
+def test_without_runs_motorization_and_frequencies_are_told(array, capsys):
+    assert main(["loads", str(array), "--runs", "0"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("Motorization: ")
+    assert "Hz with its hub held" in told

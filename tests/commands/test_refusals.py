@@ -80,7 +80,7 @@ def test_an_empty_word_and_an_option_repeated_are_refused_before_the_work(words,
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("command", ["design", "study precision", "ladder"])
+@pytest.mark.parametrize("command", ["study wear", "study precision", "ladder"])
 def test_nothing_is_drawn_from_a_folder_that_is_not_there_and_none_is_made(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main([*command.split(), "--draw", "--out", "measured"]) == 2

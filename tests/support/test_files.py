@@ -123,7 +123,10 @@ def test_an_exception_while_writing_leaves_nothing_behind(tmp_path):
 
 
 OUTPUTS = {
-    **{f"study {name}": ["--out", "{}"] for name in ("precision", "stability", "paper", "throughput", "figures")},
+    **{
+        f"study {name}": ["--out", "{}"]
+        for name in ("precision", "stability", "paper", "throughput", "figures", "wear")
+    },
     "design": ["--out", "{}"],
     "ladder": ["--out", "{}"],
     "simulate": ["--out", "{}/trajectory.npz"],

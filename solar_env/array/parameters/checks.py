@@ -60,7 +60,9 @@ POSITIVE = Rule(1e-20, 1e20, "must be positive, at least 1e-20")
 NOT_NEGATIVE = Rule(0.0, 1e20, "must not be negative")
 AT_LEAST_ONE = Rule(1.0, 1e20, "must be at least 1")
 OPENING_TO_X = Rule(0.0, 1e20, "must not be negative: the panels open towards +x")
-TURN = Rule(-2.0 * math.pi, 2.0 * math.pi, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
+_ROUNDED = 1e-3  # rad, by which an angle may miss a multiple of pi that it was rounded from
+_TURN = 2.0 * math.pi + _ROUNDED
+TURN = Rule(-_TURN, _TURN, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
 FOLD = Rule(0.1, 1.9 * math.pi, "must lie between 0.1 and 1.9 pi: it is in radians, not in degrees")
 PORTION = Rule(0.0, 1.0, "must lie between 0 and 1")
 SWITCH = Rule(0.0, 1.0, "must be 1, or 0 for none")
@@ -189,7 +191,8 @@ def _check_tables(p: ArrayParameters, name: str) -> None:
         pairs = isinstance(table, tuple) and all(isinstance(pair, tuple) and len(pair) == 2 for pair in table)
         _require(p, name, pairs and all(is_number(number) for pair in table for number in pair), rule)
         check_table(name, table)
-        reached = not table or (table[0][0] <= 0.0 and table[-1][0] >= joint.lock_angle) or len(table) == 1
+        last = joint.lock_angle - _ROUNDED
+        reached = not table or (table[0][0] <= _ROUNDED and table[-1][0] >= last) or len(table) == 1
         _require(p, name, reached, f"must reach from 0 to the lock angle of {joint.name}, {joint.lock_angle:.6g} rad")
 
 

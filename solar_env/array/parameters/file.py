@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from solar_env.array.parameters.checks import row_of
-from solar_env.array.parameters.parameters import ArrayParameters
+from solar_env.array.parameters.parameters import PRESETS, ArrayParameters
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
 from solar_env.support.docstrings import docstring
 from solar_env.support.plain_arrays import read_at_most
@@ -26,6 +26,8 @@ from solar_env.support.values import check_name, is_number
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
 # How a file says None, for which TOML has no word.
 NONE = "none"
+# Arrays from published data, by name.
+WINGS = {path.stem: path for path in sorted((Path(__file__).parents[1] / "data" / "wings").glob("*.toml"))}
 _MOST_BYTES = 2**20
 _WIDTH = 100  # characters of an explanation's line
 
@@ -39,6 +41,18 @@ class ParameterFile(NamedTuple):
 
     parameters: ArrayParameters
     randomize: Ranges
+
+
+def named_array(name: str) -> ParameterFile:
+    """Return a preset of `ArrayParameters`, or an array that comes with the package, of WINGS.
+
+    Raises:
+        ValueError: The name is unknown.
+    """
+    check_name("array", name, [*PRESETS, *WINGS])
+    if name in WINGS:
+        return read_parameters(WINGS[name])
+    return ParameterFile(ArrayParameters.preset(name), {})
 
 
 def read_parameters(path: str | Path) -> ParameterFile:
@@ -79,7 +93,7 @@ def _parameter_file(values: dict[str, Any]) -> ParameterFile:
         try:
             checked_ranges(parameters, {name: ranges[name]})
         except ValueError as error:
-            raise ValueError(f"tolerance of {name} = {half_width!r} is too wide or none: {error}") from error
+            raise ValueError(f"tolerance of {name} = {half_width!r} is refused: {error}") from error
     return ParameterFile(parameters, checked_ranges(parameters, ranges))
 
 

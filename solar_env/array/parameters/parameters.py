@@ -13,6 +13,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, ClassVar, Self
 
 from solar_env.array.parameters import checks as c
@@ -25,6 +26,7 @@ from solar_env.support.values import changed, check_name, is_number, plain
 PerJoint = float | tuple[float, ...]
 Tables = TorqueTable | tuple[TorqueTable, ...]
 MAIN_BODY = 0  # index among the bodies of the mechanism
+_LEAST_WORK = 1e-3  # J, of a spring
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,8 @@ class ArrayParameters:
         body_inertia: of the main body about its centroid [kg m2].
         body_fixed: whether the main body is held in place; the paper's floats.
         hinge_x, hinge_y: root hinge from the main body's centroid [m], hinge_x not negative; mid-side (chosen: the
-            paper does not say).
+            paper does not say). The first panel, folded, points towards -y: it lies along the body's side where hinge_y
+            is half of the body's size.
         body_size: side of the main body [m].
         panel_length, panel_width, panel_thickness: by panel [m].
         panel_density: mass of the panels over their volume [kg/m3], by panel.
@@ -73,7 +76,8 @@ class ArrayParameters:
         harness_torque: table of the torque of a wire harness over the joint angle, likewise [N m].
         hinge_damping: of a viscous or eddy-current damper in each hinge, by joint [N m s/rad].
         hinge_friction_torque: of dry friction in each hinge, by joint [N m]; beside that of the journals.
-        hinge_friction_rate: joint rate about which the latter turns round [rad/s] (chosen: far below opening rates).
+        hinge_friction_rate: joint rate about which the latter turns round, by joint [rad/s]; None: a hundredth of the
+            rate at which the spring would open the hinge of a lone panel (chosen: far below opening rates).
         cable_stiffness: of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen: keeps the
             joint angles at 1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio
@@ -94,11 +98,14 @@ class ArrayParameters:
         clearance: bearing radius minus journal radius, by joint [m].
         journal_radius: of all joints [m].
         contact_law: "lankarani-nikravesh", "flores", "restitution" (whose exit speed is exactly the restitution) or
-            "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing.
+            "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing; "bracket" for
+            surfaces far stiffer than bracket_stiffness.
         restitution: coefficient of restitution of the contact law.
         contact_stiffness: K [N/m^1.5] between spheres; None computes it by the paper's Eq 40 from the radii and the
             four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes one of
-            another unit from these and bearing_width, and needs None.
+            another unit from these and bearing_width, and needs None, as "bracket" does.
+        bracket_stiffness: radial stiffness of bracket and bush in series, by joint [N/m]; the law "bracket" takes it
+            (chosen: 1 kN bends a small aluminium bracket by 0.1 mm).
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             where the stiffness is computed; a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: a hundredth
@@ -158,7 +165,9 @@ class ArrayParameters:
     harness_torque: Tables = tabulated(())
     hinge_damping: PerJoint = per_joint(0.0, c.NOT_NEGATIVE, c.Usual(1e-6, 1e4, "N m s/rad", "N mm s/rad"))
     hinge_friction_torque: PerJoint = per_joint(0.0, c.NOT_NEGATIVE, c.Usual(1e-6, 20.0, "N m", "N mm"))
-    hinge_friction_rate: PerJoint = per_joint(1e-3, c.POSITIVE, c.Usual(1e-6, 0.1, "rad/s", "degrees per second"))
+    hinge_friction_rate: PerJoint | None = per_joint(
+        None, c.POSITIVE, c.Usual(1e-6, 0.5, "rad/s", "degrees per second"), optional=True
+    )
     cable_stiffness: PerJoint = per_joint(20.0, c.NOT_NEGATIVE, c.CABLE)
     cable_torque_ratio: float | None = number(None, c.NOT_NEGATIVE, optional=True)
     cable_preload_force: float = number(50.0, c.NOT_NEGATIVE, c.Usual(0.01, 1e4, "N", "mN"))
@@ -174,6 +183,7 @@ class ArrayParameters:
     contact_law: str = "lankarani-nikravesh"
     restitution: PerJoint = per_joint(0.9, c.SHARE)
     contact_stiffness: PerJoint | None = per_joint(7.39e10, c.POSITIVE, c.HERTZIAN, optional=True)
+    bracket_stiffness: PerJoint = per_joint(1e7, c.POSITIVE, c.Usual(3e4, 1e10, "N/m", "N/mm"))
     journal_young: float = number(207e9, c.POSITIVE, c.MODULUS)
     journal_poisson: float = number(0.3, c.POISSON)
     bearing_young: float = number(105e9, c.POSITIVE, c.MODULUS)
@@ -199,16 +209,14 @@ class ArrayParameters:
         c.check_parameters(self)
 
     def entries(self, name: str) -> tuple[Any, ...]:
-        """The values given for a quantity: one, or one for each of the first joints."""
+        """The values given for a quantity: one, or one for each of the first joints of a wing or of all wings."""
         value = getattr(self, name)
-        return value if isinstance(value, tuple) else (value,)
+        entries = value if isinstance(value, tuple) else (value,)
+        return entries[: self.panel_count] if entries == _ROWS[name][0] else entries
 
     def by_joint(self, name: str, joint: int) -> Any:
         """Entry of a quantity by joint for `joint`, counted from 0; the last one holds for all further joints."""
-        entries = self.entries(name)
-        if entries == _ROWS[name][0]:
-            entries = entries[: self.panel_count]
-        entry = entry_of(entries, joint, self.panel_count)
+        entry = entry_of(self.entries(name), joint, self.panel_count)
         return None if entry is None else float(entry)
 
     def for_each_joint(self, name: str) -> tuple[Any, ...]:
@@ -294,6 +302,20 @@ class ArrayParameters:
         of_hanger = self.offloading_friction * self.offloading_share * panel.mass * self.gravity
         return float(self.by_joint("hinge_friction_torque", joint) + of_hanger * panel.centroid)
 
+    def friction_rate(self, joint: int) -> float:
+        """Joint rate about which dry friction in a hinge, counted from 0, turns round [rad/s]."""
+        given = self.by_joint("hinge_friction_rate", joint)
+        if given is not None:
+            return float(given)
+        lock, panel, table = self.joints[joint].lock_angle, self.panel(joint), self.table("spring_torque", joint)
+        stiffness, relaxed = (self.by_joint(f"spring_{name}", joint) for name in ("stiffness", "preload_angle"))
+        work = stiffness * lock * (relaxed - lock / 2)
+        if len(table) > 1:
+            work += sum(0.5 * (t + u) * (b - a) for (a, t), (b, u) in pairwise(table))
+        elif table:
+            work += table[0][1] * lock
+        return 0.01 * math.sqrt(max(work, _LEAST_WORK) * 6.0 / (panel.mass * panel.length**2))
+
     def table(self, name: str, joint: int) -> TorqueTable:
         """The table of a tabulated torque of a joint, counted from 0."""
         tables = getattr(self, name)
@@ -316,6 +338,7 @@ class ArrayParameters:
             journal_young=self.journal_young,
             journal_poisson=self.journal_poisson,
             stiffness=self.by_joint("contact_stiffness", joint),
+            bracket_stiffness=self.by_joint("bracket_stiffness", joint),
         )
 
     def contact(self, joint: int) -> PowerLaw:

@@ -39,7 +39,7 @@ class JointRow:
     @property
     def name(self) -> str:
         """The joint as tables name it."""
-        return f"joint {self.index + 1}"
+        return f"joint {self.index + 1}{' of the second wing' if self.side < 0 else ''}"
 
 
 class PanelRow(NamedTuple):

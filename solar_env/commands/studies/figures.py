@@ -1,4 +1,4 @@
-"""`solar-env study figures`: the pictures of a deployment, and of where a fixed step fails, for the pages."""
+"""`solar-env study figures`: pictures of a deployment, of where a fixed step fails, and of a design, for the pages."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -48,17 +48,35 @@ def draw_stability(path: Path) -> None:
         draw_map(table, path)
 
 
+def draw_design(path: Path) -> None:
+    """The latch torque of the default array over the damping of hinges and latches."""
+    from rich.console import Console
+
+    from solar_env.array import ArrayParameters, ParameterFile
+    from solar_env.studies.design import plot
+    from solar_env.studies.design.plan import DesignPlan, parse_condition
+    from solar_env.studies.design.points import Bench
+    from solar_env.studies.design.search import find_design
+
+    change = dict.fromkeys(("hinge_damping", "latch_damping"))
+    keep = (parse_condition("latch_time < 30"),)
+    plan = DesignPlan(ParameterFile(ArrayParameters(), {}), change, keep, "latch_torque", points=36)
+    with TemporaryDirectory() as folder:
+        plot.draw_design(find_design(Bench(plan, Path(folder), -1, Console(stderr=True)), 0, True), path)
+
+
 _OWN = PACKAGE / "pictures" / "figures"
 # File -> what draws it.
 PICTURES = {
     _OWN / "frame.png": draw_frame,
     _OWN / "deployment.png": draw_deployment,
     STUDIES / "stability" / "figures" / "stability.png": draw_stability,
+    STUDIES / "design" / "figures" / "design.png": draw_design,
 }
 
 
 def run(args: Args) -> int:
-    """Draw the pictures of a deployment, and of where a fixed step fails."""
+    """Draw the pictures of a deployment, of where a fixed step fails, and of a design."""
     folder, _ = args.folders("figures")
     paths = {place if args.readme else folder / place.name: draw for place, draw in PICTURES.items()}
     with counting_bar(args.console) as bar:

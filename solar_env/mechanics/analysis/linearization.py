@@ -91,6 +91,15 @@ def natural_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
     """Undamped natural frequencies [Hz] at the initial state, ascending; rigid-body motions count as zeros.
 
     Raises:
+        ValueError: As `natural_modes`.
+    """
+    return natural_modes(mechanism)[0]
+
+
+def natural_modes(mechanism: Mechanism) -> tuple[NDArray[np.float64], Matrix]:
+    """Undamped natural frequencies (k,) [Hz] and shapes (n, k) at the initial state, ascending.
+
+    Raises:
         ValueError: if the forces have no potential, or an equilibrium is unstable.
     """
     mass, _, stiffness, constraints = linearize(mechanism)
@@ -101,10 +110,10 @@ def natural_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
     reduced = free.T @ stiffness @ free
     if np.abs(reduced - reduced.T).max() > _SYMMETRY * scale:
         raise ValueError("the forces have no potential: natural frequencies are not defined")
-    squares = eigh(0.5 * (reduced + reduced.T), free.T @ mass @ free, eigvals_only=True)
+    squares, shapes = eigh(0.5 * (reduced + reduced.T), free.T @ mass @ free)
     if squares[0] < -1e-9 * max(squares[-1], 1.0):
         raise ValueError(f"the equilibrium is unstable: a squared frequency is {squares[0]:.3g} 1/s2")
-    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi)
+    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), free @ shapes
 
 
 def static_equilibrium(mechanism: Mechanism, load_steps: int = 10) -> NDArray[np.float64]:

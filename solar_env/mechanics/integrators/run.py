@@ -14,6 +14,7 @@ import numpy as np
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import lane_view, take_ticket
 from solar_env.mechanics.integrators.events import (
+    LATCHING,
     NO_EVENT,
     SMALLEST_PART,
     begin_event,
@@ -187,6 +188,8 @@ def begin_at_once(model, state, settings, arrays, joint, kind):
         return fail(state, m.EVENTS_PILE_UP, joint, float(trial.at_once))
     time, speed = state.clock[0].time, arrays.motion[joint].depth_rate
     begin_event(model, state, settings, arrays, joint, kind, time, speed)
+    if kind == LATCHING:
+        state.joints[joint].latch_rate = arrays.motion[joint].rate
     if not evaluate_of(settings)(model, state, arrays, True):
         return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
     resume_of(settings)(model, state, arrays)

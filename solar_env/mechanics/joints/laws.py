@@ -104,6 +104,7 @@ class Surfaces:
         bearing_poisson, journal_poisson: Poisson's ratios.
         stiffness: that of the contact of spheres [N/m^1.5], as measured; None for the one that radii and materials
             give.
+        bracket_stiffness: radial stiffness of what holds journal and bearing, in series [N/m]; None where unknown.
     """
 
     bearing_radius: float
@@ -114,6 +115,7 @@ class Surfaces:
     journal_young: float
     journal_poisson: float
     stiffness: float | None = None
+    bracket_stiffness: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.journal_radius < self.bearing_radius:
@@ -179,11 +181,7 @@ def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
         ValueError: if the clearance lies outside the range of the fit, or a stiffness is given.
     """
     clearance = surfaces.bearing_radius - surfaces.journal_radius
-    if surfaces.stiffness is not None:
-        raise ValueError(
-            f"contact_stiffness = {surfaces.stiffness!r} is that of spheres; the law of Pereira et al. takes None and "
-            "computes its own from radii, length and materials"
-        )
+    _refuse_stiffness(surfaces, "the law of Pereira et al. takes None and computes its own from radii and materials")
     if not LEAST_CLEARANCE <= clearance <= LARGEST_CLEARANCE:
         raise ValueError(
             f"clearance = {clearance:.6g} m is outside the range of the law of Pereira et al., {LEAST_CLEARANCE:g} to "
@@ -197,6 +195,26 @@ def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
     return PowerLaw(stiffness, exponent, lankarani_damping(restitution))
 
 
+def bracket(surfaces: Surfaces, restitution: float) -> PowerLaw:
+    """Contact of surfaces far stiffer than what holds them, F = K depth (1 + d rate / v) with the bracket's stiffness.
+
+    In series with a bracket the surfaces' own depth counts little: 337 N press spheres of 4 mm with a clearance of
+    25 um in by 2.5 um, and a bracket of 1e7 N/m by 34 um. The exit speed is exactly the restitution.
+
+    Raises:
+        ValueError: The bracket's stiffness is unknown, or one of spheres is given.
+    """
+    if surfaces.bracket_stiffness is None:
+        raise ValueError("bracket_stiffness = None must be a stiffness [N/m] for the law of brackets")
+    _refuse_stiffness(surfaces, "the law of brackets takes None, and bracket_stiffness instead")
+    return PowerLaw(surfaces.bracket_stiffness, 1.0, exact_damping(restitution))
+
+
+def _refuse_stiffness(surfaces: Surfaces, remedy: str) -> None:
+    if surfaces.stiffness is not None:
+        raise ValueError(f"contact_stiffness = {surfaces.stiffness!r} is that of spheres; {remedy}")
+
+
 CONTACT_LAWS: dict[str, Callable[[Surfaces, float], PowerLaw]] = {
     # H. M. Lankarani and P. E. Nikravesh, J. Mech. Des. 112 (1990) 369, doi:10.1115/1.2912617.
     "lankarani-nikravesh": lambda surfaces, e: sphere(surfaces, lankarani_damping(e)),
@@ -206,6 +224,7 @@ CONTACT_LAWS: dict[str, Callable[[Surfaces, float], PowerLaw]] = {
     "hertz": lambda surfaces, e: sphere(surfaces, 0.0),
     "restitution": lambda surfaces, e: sphere(surfaces, exact_damping(e)),
     "pereira": cylinder,
+    "bracket": bracket,
 }
 
 

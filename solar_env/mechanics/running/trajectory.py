@@ -119,9 +119,10 @@ class Trajectory:
     def energy_put_in(self) -> float:
         """Energy stored at t = 0 in springs, cables and motion, plus what motor, cable, drives and loads added [J].
 
-        What they took out in the end does not count.
+        What they took out in the end does not count. The store of a tabulated torque, which is 0 at first, is as large
+        as what it gave.
         """
-        stored = sum(float(self.energies[name][0]) for name in _STORED)
+        stored = sum(float(self.energies[name][0] - min(self.energies[name].min(), 0.0)) for name in _STORED)
         return stored + sum(max(float(self.energies[name][-1]), 0.0) for name in _PUT_IN)
 
     @property
@@ -268,6 +269,7 @@ def assemble(
     eccentricity = loads[:, :, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y]]
     clearance = model.joints["clearance"].copy()
     penetration = np.hypot(eccentricity[..., 0], eccentricity[..., 1]) - clearance
+    angles = loads[:, :, columns.ANGLE]
     normal, tangential = loads[:, :, columns.NORMAL].copy(), loads[:, :, columns.TANGENTIAL].copy()
     energies = {name: table[:, slices["energies"]][:, k] for k, name in enumerate(m.ENERGY_NAMES)}
     stored = sum(energies.values())
@@ -279,7 +281,7 @@ def assemble(
         time=recorder.times,
         coordinates=table[:, slices["q"]].copy(),
         velocities=table[:, slices["v"]].copy(),
-        angles=np.unwrap(loads[:, :, columns.ANGLE], axis=0),
+        angles=np.where(model.joints["angle_limited"], angles, np.unwrap(angles, axis=0)),
         rates=loads[:, :, columns.RATE].copy(),
         eccentricity=eccentricity,
         penetration=penetration,

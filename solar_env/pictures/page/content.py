@@ -66,6 +66,7 @@ class Chart:
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
         polar: whether y, of which `y` is the unit alone, is drawn round a circle.
         limits: of y; by default those of its lines.
+        bars: names of the places 0, 1, 2, ... on the vertical axis, from the top, where lines are drawn as bars.
     """
 
     title: str
@@ -76,6 +77,7 @@ class Chart:
     logarithmic: str = ""
     polar: bool = False
     limits: tuple[float, float] | None = None
+    bars: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

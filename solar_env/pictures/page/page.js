@@ -120,6 +120,9 @@ function radialAxis(lines, unit) {
   return { angle, tickangle: angle, range: [0, 1.05 * most], tickvals: values, ticktext: values.map((value) => `${+value.toPrecision(3)} ${unit}`) };
 }
 
+// A vertical axis with names, the first on top.
+const named = (bars) => ({ tickvals: bars.map((_, k) => k), ticktext: bars, range: [bars.length - 0.4, -0.6] });
+
 class ChartView {
   constructor(chart) {
     this.chart = chart;
@@ -135,7 +138,7 @@ class ChartView {
   plotLines() {
     const chart = this.chart;
     const traces = chart.lines.map((line) => {
-      const look = { mode: "lines", line: { color: line.colour, dash: line.dash, width: 1.4 } };
+      const look = { mode: "lines", line: { color: line.colour, dash: line.dash, width: chart.bars.length ? 12 : 1.4 } };
       return chart.polar ? { type: "scatterpolar", name: line.name, theta: line.x, r: line.y, ...look }
         : { type: "scatter", name: line.name, x: line.x, y: line.y, ...look };
     });
@@ -148,7 +151,7 @@ class ChartView {
     const below = 18 * Math.ceil(traces.length / Math.max(1, Math.floor(width / 180)));
     const layout = { title: { text: title, font: { size: 15 }, x: 0.01 }, height: 320 + above + below, margin: { t: 40 + above, r: 12, b: 60 + below, l: 60 },
       legend: { orientation: "h", yref: "container", y: 0, yanchor: "bottom" }, hovermode: "closest", font: { color: INK },
-      xaxis: axis(chart.x, "x"), yaxis: axis(chart.y, "y", chart.limits),
+      xaxis: axis(chart.x, "x"), yaxis: { ...axis(chart.y, "y", chart.limits), ...(chart.bars.length ? named(chart.bars) : {}) },
       ...(chart.polar ? { polar: { radialaxis: radialAxis(chart.lines, chart.y) } } : {}) };
     Plotly.newPlot(this.plot, traces, layout, { responsive: true, displayModeBar: false });
     if (chart.over_time) {

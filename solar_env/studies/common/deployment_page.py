@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, Ranges, build, main_body_corners
+from solar_env.array import ArrayParameters, Ranges, main_body_corners
+from solar_env.array.deployment import compiled
 from solar_env.array.parameters.file import units
 from solar_env.array.parameters.parameters import MAIN_BODY
 from solar_env.mechanics.analysis.geometry import centreline
-from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.frame import Scene
 from solar_env.pictures.page.content import Chart, Line, Motion, Table
@@ -71,9 +71,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
 
 def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
     """Corners of the main body (kept, 4, 2) and axes of the panels, each (kept, points, 2) [m], at some samples."""
-    details = trajectory.metadata
-    parameters = ArrayParameters().with_changes(details["parameters"])
-    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
+    parameters, model = compiled(trajectory)
     bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
     axes = [centreline(model, trajectory.coordinates[kept], body, 1) for body in bodies]
     return main_body_corners(parameters, axes[0]), axes[1:]

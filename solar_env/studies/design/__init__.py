@@ -1,4 +1,5 @@
-"""Peak force and wear over the design's parameters, and repeated ground tests with the worn clearance fed back.
+"""What to change in an array: maps of one or two parameters, and a search of several, by the figures of `loads`.
 
-Imports `common`. A further map is a row of `MAPS` in `design_map`, a further quantity a row of `MAPPED` in `plots`.
+`plan` says what is asked, `points` measures designs at the level that answers it, `search` finds the best one, `plot`
+draws them. Imports `loads` and `common`.
 """

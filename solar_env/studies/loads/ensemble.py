@@ -1,11 +1,11 @@
-"""The ensemble: members at a level of the model, and at the finest one."""
+"""The ensemble: members at a level of the model, at the finest one, and with other contact laws; what changes it."""
 
+import contextlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,13 @@ from rich.console import Console
 
 from solar_env.array import ArrayParameters, ModelLevel, ParameterFile
 from solar_env.array.motorization import motorization
-from solar_env.array.parameters.ranges import checked_ranges
+from solar_env.array.parameters.ranges import Ranges, checked_ranges
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.failures import told
 from solar_env.studies.common.motion import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
 from solar_env.studies.loads.runs import deploy, member_parameters
+from solar_env.studies.loads.sensitivity import Result, Sensitivity, Shift, one_at_a_time, regression, shifts
 from solar_env.studies.loads.statistics import Figure, figure_of
 from solar_env.support.campaigns import Campaign, Cell
 
@@ -26,7 +27,12 @@ Array = NDArray[np.float64]
 
 STORE = "loads.jsonl"
 FINEST_OF_ELEMENTS = Level("flexible-clearance:12 elements", 10.0)
-SPHERES, CYLINDER = "lankarani-nikravesh", "pereira"
+# Contact laws of different geometry -> what they are the contact of.
+GEOMETRIES = {
+    "lankarani-nikravesh": "spheres",
+    "pereira": "a cylinder in its bush",
+    "bracket": "bracket and bush that yield more than the surfaces",
+}
 
 
 @dataclass(frozen=True)
@@ -55,18 +61,36 @@ class LoadsPlan:
                 raise ValueError(f"{name} = {getattr(self, name)!r} s must be positive and at most 10000")
 
     @cached_property
-    def other_law(self) -> ParameterFile | None:
-        """The array with a contact law of another geometry: of a cylinder in its bush, or of spheres.
-
-        None where that law refuses it.
-        """
-        law = SPHERES if self.array.parameters.contact_law == CYLINDER else CYLINDER
+    def forms(self) -> Mapping[str, ParameterFile]:
+        """The array with the contact laws of other geometries, by what these are the contact of; not those refused."""
+        own = self.array.parameters.contact_law
+        own = own if own in GEOMETRIES else next(iter(GEOMETRIES))
         ranges = {name: pair for name, pair in self.array.randomize.items() if name != "contact_stiffness"}
-        try:
-            other = self.array.parameters.with_changes({"contact_law": law, "contact_stiffness": None})
-            return ParameterFile(other, checked_ranges(other, ranges))
-        except ValueError:
-            return None
+        forms = {}
+        for law, contact in GEOMETRIES.items():
+            if law != own:
+                with contextlib.suppress(ValueError):
+                    other = self.array.parameters.with_changes({"contact_law": law, "contact_stiffness": None})
+                    forms[contact] = ParameterFile(other, checked_ranges(other, ranges))
+        return forms
+
+    @property
+    def asked(self) -> tuple[tuple[Level, ParameterFile], ...]:
+        """Levels and arrays that every member runs: the level, the finest one, the level with other contact laws."""
+        level, finest = self.levels
+        return (level, self.array), (finest, self.array), *((level, form) for form in self.forms.values())
+
+    def cell(self, level: Level, parameters: ArrayParameters, ranges: Ranges, member: int) -> Cell:
+        """Cell of a run for `run_member`."""
+        return {
+            "model": level.model,
+            "tighter": level.tighter,
+            "member": member,
+            "parameters": parameters.to_dict(),
+            "randomize": dict(ranges),
+            "window": self.window,
+            "deadline": self.deadline,
+        }
 
     @property
     def levels(self) -> tuple[Level, Level]:
@@ -104,7 +128,8 @@ class Loads:
     unlatched: Sequence[int]  # members that did not latch by the deadline, of the level and of the finest one
     warnings: Mapping[str, int]  # text -> in how many runs the simulator said it
     failures: str  # which runs failed, and why; empty where none did
-    form: tuple[Figure, ...]  # peak force by joint with another contact law, and this one's mean less its; else empty
+    forms: Mapping[str, tuple[Figure, ...]]  # contact -> peak force by joint, and this law's mean less its
+    sensitivity: Sensitivity
 
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
@@ -113,29 +138,22 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console)
     Raises:
         ValueError: if the folder holds another ensemble, or in no run all joints latch.
     """
-    level, finest = plan.levels
-    asked = [(level, plan.array), (finest, plan.array), *([(level, plan.other_law)] if plan.other_law else [])]
     cells = [
-        {
-            "model": level.model,
-            "tighter": level.tighter,
-            "member": member,
-            "parameters": array.parameters.to_dict(),
-            "randomize": dict(array.randomize),
-            "window": plan.window,
-            "deadline": plan.deadline,
-        }
+        plan.cell(level, array.parameters, array.randomize, member)
         for member in range(1, plan.members + 1)
-        for level, array in asked
+        for level, array in plan.asked
     ]
-    campaign = Campaign(run_member, cells, folder / STORE)
-    return gathered(plan, campaign.run_shown(workers, console, "deployments, at two levels, with two contact laws"))
+    shifted = {} if plan.array.randomize else shifts(plan.array.parameters, plan.model)
+    singles = {key: plan.cell(plan.levels[0], array, {}, 0) for key, array in shifted.items()}
+    campaign = Campaign(run_member, [*cells, *singles.values()], folder / STORE)
+    results = campaign.run_shown(workers, console, "deployments, at two levels, with other contact laws")
+    return gathered(plan, results[: len(cells)], dict(zip(singles, results[len(cells) :], strict=True)))
 
 
-def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
-    """The figures of results, member by member: at the chosen level, at the finest, and with the other contact law.
+def gathered(plan: LoadsPlan, results: Sequence[Result], singles: Mapping[Shift | None, Result]) -> Loads:
+    """The figures of results, member by member in the order of `LoadsPlan.asked`, and what changes them.
 
-    A member that failed in one of them is left out.
+    A member that failed in one of them is left out. Singles are runs of the nominal array (None) and of shifted ones.
 
     Raises:
         ValueError: if in no run all joints latch, or too many have failed.
@@ -143,9 +161,10 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
     failed: dict[str, str] = {}
     for run in results:
         failed |= run.get("failed", {})
-    failures, stride = told(failed, len(results)), 3 if plan.other_law else 2
-    members = zip(*(results[k::stride] for k in range(stride)), strict=True)
-    whole = [runs for runs in members if not any("failed" in run for run in runs)]
+    failures, stride = told(failed, len(results)), len(plan.asked)
+    members = dict(enumerate(zip(*(results[k::stride] for k in range(stride)), strict=True), start=1))
+    members = {k: runs for k, runs in members.items() if not any("failed" in run for run in runs)}
+    whole = list(members.values())
     levels = [runs[0] for runs in whole], [runs[1] for runs in whole]
     unlatched = [sum(not run["latched"] for run in runs) for runs in levels]
     if min(unlatched) == len(whole):
@@ -163,8 +182,15 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
         np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
     )
     said = Counter(text for runs in whole for run in runs for text in run["warnings"])
-    form: tuple[Figure, ...] = ()
-    if plan.other_law:
-        other, this = (np.array([runs[k]["quantities"]["peak_force"] for runs in whole], float) for k in (2, 0))
-        form = tuple(figure_of(*values) for values in zip(other.T, this.T, strict=True))
-    return Loads(plan, figures, hinge, hub, unlatched, said, failures, form)
+    this, _, *others = (np.array([runs[k]["quantities"]["peak_force"] for runs in whole], float) for k in range(stride))
+    forms = {
+        contact: tuple(figure_of(*values) for values in zip(other.T, this.T, strict=True))
+        for contact, other in zip(plan.forms, others, strict=True)
+    }
+    values = {name: np.array([run["quantities"][name] for run in levels[0]], dtype=float) for name in QUANTITIES}
+    drawn = [member_parameters(plan.array.parameters, plan.array.randomize, k) for k in members]
+    if singles:
+        sensitivity = one_at_a_time(singles, values)
+    else:
+        sensitivity = regression(plan.array.randomize, drawn, values)
+    return Loads(plan, figures, hinge, hub, unlatched, said, failures, forms, sensitivity)

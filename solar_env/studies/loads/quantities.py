@@ -47,7 +47,7 @@ JOINT_QUANTITIES: Mapping[str, Quantity] = {
     "latch_rate": Quantity("rate at the latch", "rad/s", lambda d: d.trajectory.latch_rates),
     "latch_torque": Quantity("peak torque of the latch", "N m", lambda d: d.trajectory.peak_latch_torque),
     "peak_force": Quantity("peak pin force", "N", lambda d: d.trajectory.peak_force, needs_latching=False),
-    "peak_torque": Quantity("peak torque of all together", "N m", lambda d: d.peak_torque, needs_latching=False),
+    "peak_torque": Quantity("bending moment at the panel's root", "N m", lambda d: d.peak_torque, needs_latching=False),
     "impulse": Quantity("momentum exchanged after latching", "N s", lambda d: d.trajectory.postlock_impulse),
     "impact_count": Quantity("impacts after latching", "", lambda d: np.array([len(x) for x in _impacts(d)], float)),
     "impact_speed_max": Quantity("fastest impact", "mm/s", _impact_speed(1.0), 1e3),

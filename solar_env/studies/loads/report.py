@@ -1,77 +1,128 @@
-"""Report of an ensemble: five lines, tables, and a page with the nominal array in motion, plots and spectra."""
+"""Report of an ensemble: a few lines, and tables."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.pictures.page.content import Chart, Line, Page, Table
-from solar_env.pictures.style import COLOURS
+from solar_env.pictures.page.content import Table
 from solar_env.studies.common.bootstrap import FEWEST
-from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table, shown_samples
-from solar_env.studies.loads.ensemble import CYLINDER, Loads
+from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES, QUANTITIES, Quantity
-from solar_env.studies.loads.runs import FREQUENCIES, Deployment
+from solar_env.studies.loads.runs import FREQUENCIES
+from solar_env.studies.loads.sensitivity import SHARE, Effects
 from solar_env.studies.loads.statistics import Figure, counted, rounded, shortened
 
 COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "discretisation error")
 WEAR_LIMIT = 1e-6  # m, to which deployments are counted
 MANY_DEPLOYMENTS = 1e5  # more than any array sees, ground tests included
 _SHOWN = slice(3, None, 6)  # of the frequencies, in the table
+_SIZING = ("latch_torque", "peak_force", "hub_excursion")  # figures of which a line says what changes them
+_TOLD = 3  # parameters that change a figure, at most
 
 
 def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
-    """State what sizes the hinges, pin force, momentum exchanged, wear, the hub's loads, and what they rest on.
+    """State what sizes hinges and hub, pin force, momentum exchanged, wear, what changes them, and what they rest on.
 
     After the first line come those of what was known before the runs, see `statics`. Each figure comes with the
     interval of its mean, its high quantile and its discretisation error.
     """
-    names = ("latch_torque", "latch_rate", "peak_force", "impulse", "wear_depth")
-    worst = {name: _worst(loads.figures[name]) for name in names}
-    stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in worst.items()}
+    stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in _worst_of(loads, _STATED).items()}
+    worst = _worst_of(loads, JOINT_QUANTITIES)
+    hub = {name: _with_interval(loads.figures[name][0], QUANTITIES[name]) for name in HUB_QUANTITIES}
+    errors = {name: _with_model_error(loads.figures[name][0], QUANTITIES[name]) for name in HUB_QUANTITIES}
     joint, deepest = worst["wear_depth"]
     deployments = WEAR_LIMIT / deepest.mean if deepest.mean > 0.0 else math.inf
     negligible = "which is negligible: " if deployments > MANY_DEPLOYMENTS else ""
-    hub = [
-        f"{_with_interval(figure, quantity)} ({_with_model_error(figure, quantity)})"
-        for name in ("hub_excursion", "hub_force", "hub_torque")
-        for figure, quantity in [(loads.figures[name][0], QUANTITIES[name])]
-    ]
-    stopped, (fastest, rate) = worst["latch_torque"][0], worst["latch_rate"]
+    (stopped, _), (fastest, rate), (bent, moment) = (
+        worst[name] for name in ("latch_torque", "latch_rate", "peak_torque")
+    )
     return [
-        f"The latch of joint {stopped} takes the greatest torque, on which a hinge is sized: {stated['latch_torque']}; "
-        f"joint {fastest} latches fastest, at {_with_interval(rate, QUANTITIES['latch_rate'])}.",
+        f"The latch of {stopped} takes the greatest torque, on which a hinge is sized: {stated['latch_torque']}; "
+        f"{fastest} latches fastest, at {_with_interval(rate, QUANTITIES['latch_rate'])}; the root of the panel of "
+        f"{bent} is bent hardest, by {_with_interval(moment, QUANTITIES['peak_torque'])}; the hub turns by "
+        f"{hub['hub_excursion']} at most ({errors['hub_excursion']}) and is accelerated by {hub['hub_acceleration']}.",
         *before,
-        f"The pin of joint {worst['peak_force'][0]} is hit hardest: {stated['peak_force']}; {_form(loads)}.",
-        f"Within {loads.plan.window:g} s of the last latching joint {worst['impulse'][0]} exchanges most momentum: "
+        f"The pin of {worst['peak_force'][0]} is hit hardest: {stated['peak_force']}; {_forms(loads)}.",
+        f"Within {loads.plan.window:g} s of the last latching {worst['impulse'][0]} exchanges most momentum: "
         f"{stated['impulse']}.",
-        f"A deployment wears joint {joint} deepest: {stated['wear_depth']}; {negligible}{counted(deployments)} "
+        f"A deployment wears {joint} deepest: {stated['wear_depth']}; {negligible}{counted(deployments)} "
         "deployments to 1 micrometre, if every one wears the same place.",
-        f"The hub turns by {hub[0]} at most and sees {hub[1]} and {hub[2]} at the peak.",
+        f"The hub sees {hub['hub_force']} ({errors['hub_force']}) and {hub['hub_torque']} ({errors['hub_torque']}) at "
+        "the peak.",
+        _what_changes(loads),
         _basis(loads),
     ]
 
 
-def _worst(figures: Sequence[Figure]) -> tuple[int, Figure]:
-    """The joint with the greatest mean, counted from 1, and its figure."""
-    worst = max(range(len(figures)), key=lambda j: figures[j].mean if math.isfinite(figures[j].mean) else -math.inf)
-    return worst + 1, figures[worst]
+_STATED = ("latch_torque", "peak_force", "impulse", "wear_depth")
 
 
-def _form(loads: Loads) -> str:
-    """State the peak pin force with the other contact law."""
-    law = f"the contact law of {_other_contact(loads)}"
-    if not loads.form:
-        return f"model form unknown, for {law} does not take this array"
-    joint, figure = _worst(loads.form)
-    return (
-        f"with {law} joint {joint} has {_with_interval(figure, QUANTITIES['peak_force'])}: so unsure is the model form"
+def _worst_of(loads: Loads, names: Iterable[str]) -> dict[str, tuple[str, Figure]]:
+    """By quantity, the name of the joint with the greatest mean, and its figure."""
+    found = {name: worst_joint(loads.figures[name]) for name in names}
+    joints = loads.plan.array.parameters.joints
+    return {name: (joints[joint].name, loads.figures[name][joint]) for name, joint in found.items()}
+
+
+def worst_joint(figures: Sequence[Figure]) -> int:
+    """Index of the joint whose figure has the greatest mean."""
+    return max(range(len(figures)), key=lambda j: figures[j].mean if math.isfinite(figures[j].mean) else -math.inf)
+
+
+def full_name(loads: Loads, quantity: str, joint: int) -> str:
+    """Name a quantity with its joint, counted from 0, where it is not one of the hub."""
+    of_joint = f" of {loads.plan.array.parameters.joints[joint].name}" if quantity in JOINT_QUANTITIES else ""
+    return f"{QUANTITIES[quantity].name}{of_joint}"
+
+
+def _forms(loads: Loads) -> str:
+    """State the peak pin force with the other contact laws, and between what it lies with all."""
+    if not loads.forms:
+        return "model form unknown, for no other contact law takes this array"
+    told, means = [], [loads.figures["peak_force"][worst_joint(loads.figures["peak_force"])].mean]
+    for contact, figures in loads.forms.items():
+        joint = worst_joint(figures)
+        name = loads.plan.array.parameters.joints[joint].name
+        told.append(f"{_with_interval(figures[joint], QUANTITIES['peak_force'])} at {name} as of {contact}")
+        means.append(figures[joint].mean)
+    low, high = (shortened(end) for end in (min(means), max(means)))
+    return f"{', '.join(told)}: the model form leaves it between {low} and {high} N"
+
+
+def _what_changes(loads: Loads) -> str:
+    """State which parameters change what sizes the array."""
+    found = loads.sensitivity
+    if found.missing:
+        return f"What changes the figures is not known: {found.missing} (--runs)."
+    told = []
+    for name in _SIZING:
+        joint = worst_joint(loads.figures[name])
+        effects = found.effects[name][joint]
+        most = [f"{parameter} {effect_text(effects, parameter)}" for parameter in effects.ranking[:_TOLD]]
+        told.append(f"the {full_name(loads, name, joint)}: {', '.join(most) if most else 'nothing beyond its scatter'}")
+    how = (
+        "standardised coefficients of what is drawn"
+        if found.drawn
+        else f"{100 * SHARE:g} % less, {100 * SHARE:g} % more"
     )
+    return f"What changes them most ({how}): {'; '.join(told)}."
 
 
-def _other_contact(loads: Loads) -> str:
-    return "spheres" if loads.plan.array.parameters.contact_law == CYLINDER else "a cylinder in its bush"
+def effect_text(effects: Effects, parameter: str) -> str:
+    """The effect of a parameter: a coefficient with its interval, or changes in per cent."""
+    low, high = effects.low[parameter], effects.high[parameter]
+    if math.isfinite(effects.explained):
+        return f"{0.5 * (low + high):+.2f} \u00b1 {0.5 * (high - low):.2f}"
+    return ", ".join(f"{100.0 * end:+.2g} %" if math.isfinite(end) else "fails" for end in (low, high))
+
+
+def sureness(effects: Effects) -> str:
+    """State the share of the variance that a regression explains, or which changes are scatter."""
+    if math.isfinite(effects.explained):
+        return f"{100.0 * max(effects.explained, 0.0):.0f} % of the variance explained"
+    return f"below {shortened(100.0 * effects.noise)} % is scatter" if effects.noise > 0.0 else "scatter unknown"
 
 
 def _stated(figure: Figure, quantity: Quantity) -> str:
@@ -137,32 +188,50 @@ def _basis(loads: Loads) -> str:
     if loads.failures:
         text += f" {loads.failures}"
     for warning, times in loads.warnings.items():
-        text += f" In {times} of {(3 if loads.form else 2) * plan.members} runs: {warning}."
+        text += f" In {times} of {len(plan.asked) * plan.members} runs: {warning}."
     return text
 
 
 def tables(loads: Loads) -> list[Table]:
     """A table for each joint, one for the hub, and one of spectra."""
-    joints = range(len(loads.plan.array.parameters.joints))
-    spectra = {f"force of hinge {j + 1} [N]": loads.hinge_spectrum[..., j] for j in joints}
+    joints = loads.plan.array.parameters.joints
+    spectra = {f"force of {joint.name} [N]": loads.hinge_spectrum[..., joint.index] for joint in joints}
     spectra["acceleration of the hub [m/s2]"] = loads.hub_spectrum
     rows = [row for name, levels in spectra.items() for row in _spectrum_rows(name, levels)]
     title = "Shock response spectra, Q = 10: mean over runs, and of the finest level"
     return [
-        *(Table(f"Joint {j + 1}", COLUMNS, list(_joint_rows(loads, j))) for j in joints),
+        *(Table(f"J{joint.name[1:]}", COLUMNS, list(_joint_rows(loads, joint.index))) for joint in joints),
         Table("Hub", COLUMNS, [_row(QUANTITIES[name], loads.figures[name][0]) for name in HUB_QUANTITIES]),
         Table(title, ("spectrum", *(f"{f:.0f} Hz" for f in FREQUENCIES[_SHOWN])), rows),
+        *_changes(loads),
     ]
+
+
+def _changes(loads: Loads) -> Iterator[Table]:
+    """The parameters that change each figure most, at the joint where it is greatest."""
+    ranks = ("most", "then", "then")
+    rows = []
+    for name, by_joint in loads.sensitivity.effects.items():
+        joint = worst_joint(loads.figures[name])
+        effects = by_joint[joint]
+        cells = [f"{parameter}: {effect_text(effects, parameter)}" for parameter in effects.ranking[: len(ranks)]]
+        blank = [""] * (len(ranks) - len(cells))
+        rows.append([full_name(loads, name, joint), *cells, *blank, sureness(effects)])
+    if rows and loads.sensitivity.drawn:
+        title = "What changes a figure: standardised coefficients of the parameters drawn, with 95 % intervals"
+        yield Table(title, ("figure", *ranks, "how sure"), rows)
+    elif rows:
+        title = f"What changes a figure: one parameter {100 * SHARE:g} % less, and more"
+        yield Table(title, ("figure", *ranks, "how sure"), rows)
 
 
 def _joint_rows(loads: Loads, joint: int) -> Iterator[list[str]]:
     """Rows of a joint's figures; below the pin force, that of the other contact law."""
     for name in JOINT_QUANTITIES:
         yield _row(QUANTITIES[name], loads.figures[name][joint])
-        if name == "peak_force" and loads.form:
-            quantity = QUANTITIES[name]
-            *cells, _ = _row(quantity, loads.form[joint])
-            yield [f"{quantity.name}, as of {_other_contact(loads)} (model form)", *cells[1:], "-"]
+        for contact, figures in loads.forms.items() if name == "peak_force" else ():
+            *cells, _ = _row(QUANTITIES[name], figures[joint])
+            yield [f"{QUANTITIES[name].name}, as of {contact} (model form)", *cells[1:], "-"]
 
 
 def _row(quantity: Quantity, figure: Figure) -> list[str]:
@@ -176,54 +245,3 @@ def _spectrum_rows(name: str, spectra: NDArray[np.float64]) -> Iterator[list[str
     means = spectra.mean(axis=1) if spectra.size else np.zeros((2, 0))
     for label, level in zip((name, "  finest level"), means, strict=True):
         yield [label, *map(shortened, level[_SHOWN])]
-
-
-def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
-    """The page of an ensemble and of a deployment to look at, with notes as its last lines."""
-    name = f"Nominal array, {loads.plan.levels[0].name}"
-    charts = [*charts_of({name: nominal.trajectory}), *_hub_charts(nominal), *_spectra(loads)]
-    motions = [motion_of(nominal.trajectory, name)]
-    title = "How hard the hinges and the hub are hit"
-    parameters = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
-    return Page(title, answer(loads, before), motions, charts, [*tables(loads), parameters], notes)
-
-
-def _hub_charts(nominal: Deployment) -> Iterator[Chart]:
-    """Turn of the hub, and the greatest loads on it from each of the moments shown to the next."""
-    kept, time = shown_samples(nominal.trajectory), nominal.trajectory.time
-    turn = np.degrees(nominal.place[kept, 2] - nominal.place[0, 2])
-    line = Line("hub", time[kept], turn, COLOURS[0])
-    yield Chart(f"The nominal hub turns by up to {np.abs(turn).max():.3g} degrees", "time [s]", "angle [deg]", [line])
-    begins = kept[kept < len(time) - 1]
-    greatest = np.maximum.reduceat(nominal.hub_greatest, begins, axis=0)
-    for k, (name, unit) in enumerate((("force of the root hinge", "N"), ("torque about its centroid", "N m"))):
-        values = greatest[:, k]
-        title = f"The nominal hub sees up to {shortened(values.max(), 3)} {unit}"
-        yield Chart(title, "time [s]", f"greatest over 50 us [{unit}]", [Line(name, time[begins], values, COLOURS[0])])
-
-
-def _spectra(loads: Loads) -> Iterator[Chart]:
-    """Mean and greatest of the runs, and the mean of the finest level."""
-    if not loads.hub_spectrum.size:
-        return
-    greatest = loads.hinge_spectrum[0].mean(axis=0).max(axis=0)
-    worst, hub = int(greatest.argmax()), loads.hub_spectrum[0].mean(axis=0).max()
-    hinges = [_spectrum(loads.hinge_spectrum[..., j], f"joint {j + 1}, ", j) for j in range(len(greatest))]
-    title = f"hinge forces (Q = 10): up to {greatest[worst]:.3g} N, at hinge {worst + 1}"
-    yield _spectrum_chart(title, "force [N]", [line for lines in hinges for line in lines])
-    title = f"the hub (Q = 10): up to {hub:.2g} m/s2"
-    yield _spectrum_chart(title, "acceleration [m/s2]", _spectrum(loads.hub_spectrum, "", 0))
-
-
-def _spectrum_chart(what: str, y: str, lines: Sequence[Line]) -> Chart:
-    return Chart(f"Shock response of {what}", "natural frequency [Hz]", y, lines, False, "xy")
-
-
-def _spectrum(spectra: NDArray[np.float64], prefix: str, colour: int) -> list[Line]:
-    runs, finest = spectra
-    rows = (
-        ("mean", runs.mean(axis=0), "solid"),
-        ("greatest", runs.max(axis=0), "dot"),
-        ("finest level", finest.mean(axis=0), "dash"),
-    )
-    return [Line(prefix + name, FREQUENCIES, values, COLOURS[colour], dash) for name, values, dash in rows]

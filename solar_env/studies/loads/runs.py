@@ -37,7 +37,7 @@ class Deployment:
     place: Array  # (nt, 3) of the hub's centroid [m] and its angle [rad]
     velocity: Array  # (nt, 3) of the hub [m/s], [rad/s]
     hub_loads: Array  # (nt - 1, 3) mean force [N] and torque [N m] on the hub between the samples
-    peak_torque: Array  # (joints,) of spring, cable, latch and motor together [N m]
+    peak_torque: Array  # (joints,) of all torques of the hinge together, which bend the panel's root [N m]
     hub_peaks: Array  # greatest force [N], torque [N m] and acceleration [m/s2] of the hub
     hub_greatest: Array  # (nt - 1, 2) greatest force [N] and torque [N m] on the hub between samples
     hinge_spectrum: Array  # (f, joints) shock response spectra of the hinges' forces [N]

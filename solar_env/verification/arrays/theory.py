@@ -156,8 +156,10 @@ def hinge_torques(p: ArrayParameters) -> Callable[[Array, Array], Array]:
         for joint in p.joints
         if (table := p.table(name, joint.index))
     ]
-    damping, ramp = (np.array(p.for_each_joint(f"hinge_{name}")) for name in ("damping", "friction_rate"))
-    friction = np.array([p.friction_torque(joint.index) for joint in p.joints])
+    damping = np.array(p.for_each_joint("hinge_damping"))
+    friction, ramp = (
+        np.array([read(joint.index) for joint in p.joints]) for read in (p.friction_torque, p.friction_rate)
+    )
 
     def torques(angles: Array, rates: Array) -> Array:
         total = spring_torques(p, angles) - damping * rates - friction * rates / np.hypot(rates, ramp)

@@ -34,7 +34,14 @@ from solar_env.mechanics.running.simulation import simulate
 
 # A steel journal in a brass bearing.
 SURFACES = Surfaces(
-    0.0102, 0.0100, 1.0, bearing_young=105e9, bearing_poisson=0.34, journal_young=207e9, journal_poisson=0.3
+    bearing_radius=0.0102,
+    journal_radius=0.0100,
+    length=1.0,
+    bearing_young=105e9,
+    bearing_poisson=0.34,
+    journal_young=207e9,
+    journal_poisson=0.3,
+    bracket_stiffness=1e7,
 )
 MASS, SPEED, CLEARANCE = 6.0, 0.05, 2e-4
 EXPLICIT_AND_IMPLICIT: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha(step=2e-6))
@@ -281,3 +288,11 @@ def test_the_cylinders_force_at_a_depth_of_one_millimetre_is_the_factor_of_the_f
 def test_surfaces_that_do_not_fit_are_refused(changes: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         contact_law("pereira", replace(SURFACES, **changes), 0.9)
+
+
+def test_the_law_of_brackets_takes_their_stiffness_and_no_other() -> None:
+    assert contact_law("bracket", SURFACES, 0.5).exit_speed_ratio() == pytest.approx(0.5, abs=1e-10)
+    with pytest.raises(ValueError, match="bracket_stiffness = None must"):
+        contact_law("bracket", replace(SURFACES, bracket_stiffness=None), 0.9)
+    with pytest.raises(ValueError, match=r"contact_stiffness = 70000000000.0 .*takes None, and bracket_stiffness"):
+        contact_law("bracket", replace(SURFACES, stiffness=7e10), 0.9)

@@ -20,8 +20,9 @@ from solar_env.studies.common.motion import Level
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.loads import ensemble
 from solar_env.studies.loads.hub import hub_place, hub_velocity, mean_loads, sampled_hinge_loads
+from solar_env.studies.loads.page import loads_page
 from solar_env.studies.loads.quantities import JOINT_QUANTITIES, QUANTITIES, read_all
-from solar_env.studies.loads.report import answer, loads_page, tables
+from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import FREQUENCIES, deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, counted, figure_of, high_quantile, rounded, shortened
 
@@ -180,25 +181,30 @@ def loads():
     plan = ensemble.LoadsPlan(FAST, RIGID.model, members=4, window=0.5)
     shared = {"model": RIGID.model, "window": 0.5, "deadline": 60.0}
     shared |= {"parameters": FAST_PARAMETERS.to_dict(), "randomize": dict(FAST.randomize)}
-    other = {"parameters": plan.other_law.parameters.to_dict()}
-    asked = ({"tighter": 1.0}, {"tighter": 3.0}, {"tighter": 1.0} | other)
+    others = ({"parameters": form.parameters.to_dict()} for form in plan.forms.values())
+    asked = ({"tighter": 1.0}, {"tighter": 3.0}, *({"tighter": 1.0} | other for other in others))
     cells = [shared | {"member": k} | changes for k in range(1, 5) for changes in asked]
     results = [ensemble.run_member(cell) for cell in cells]
     assert json.loads(json.dumps(results)) == results
-    return ensemble.gathered(plan, results)
+    return ensemble.gathered(plan, results, {})
 
 
-def test_six_lines_answer_and_tables_hold_every_quantity(loads):
+def test_a_few_lines_answer_and_tables_hold_every_quantity(loads):
     lines = answer(loads)
-    assert len(lines) == 6
+    assert len(lines) == 7
     assert lines[0].startswith("The latch of joint ")
-    assert "Level: rigid-clearance; the discretisation error of every figure" in lines[5]
-    assert "4 runs of each level" in lines[5]
-    assert "clearance" in lines[5]
+    assert "is bent hardest, by" in lines[0]
+    assert "Level: rigid-clearance; the discretisation error of every figure" in lines[6]
+    assert "4 runs of each level" in lines[6]
+    assert "clearance" in lines[6]
+    assert lines[5] == (
+        "What changes the figures is not known: 2 parameters are drawn, whose effects take 5 runs and more (--runs)."
+    )
     names = [row[0] for table in tables(loads)[:2] for row in table.rows]
-    of_other_law = "peak pin force, as of a cylinder in its bush (model form)"
-    assert [name for name in names if name != of_other_law] == 2 * [row.name for row in JOINT_QUANTITIES.values()]
-    assert names.count(of_other_law) == 2
+    of_forms = [f"peak pin force, as of {contact} (model form)" for contact in loads.plan.forms]
+    assert len(of_forms) == 2
+    assert [name for name in names if name not in of_forms] == 2 * [row.name for row in JOINT_QUANTITIES.values()]
+    assert all(names.count(form) == 2 for form in of_forms)
     assert all(len(row) == len(table.columns) for table in tables(loads) for row in table.rows)
     hit = max(loads.figures["peak_force"], key=lambda figure: figure.mean)
     assert hit.low < hit.mean < hit.high < hit.quantile_bound
@@ -207,19 +213,25 @@ def test_six_lines_answer_and_tables_hold_every_quantity(loads):
 def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_own_model_error(loads):
     first = {
         "peak_force": [Figure(222.3, 214.0, 230.0, 268.0, 291.0, 10.4, 11.0, 16)],
-        "impulse": [Figure(31.0, 30.9, 31.1, 31.5, 31.7, 0.2, 0.1, 16)] * 2
-        + [Figure(55.024, 54.94, 55.1, 55.6, 55.8, -1.13, 0.07, 16)],
+        "impulse": [
+            Figure(31.0, 30.9, 31.1, 31.5, 31.7, 0.2, 0.1, 16),
+            Figure(55.024, 54.94, 55.1, 55.6, 55.8, -1.13, 0.07, 16),
+        ],
         "wear_depth": [Figure(3.02e-14, 2.9e-14, 3.14e-14, 3.8e-14, 4.2e-14, 3e-15, 2e-15, 16)],
     }
     cylinder = (Figure(780.0, 730.0, 830.0, 900.0, 990.0, -557.0, 40.0, 16),)
-    _, force, impulse, wear, _, basis = answer(replace(loads, figures=loads.figures | first, form=cylinder))
+    forms = {
+        "a cylinder in its bush": cylinder,
+        "bracket and bush": (replace(cylinder[0], mean=178.0, low=170.0, high=186.0),),
+    }
+    _, force, impulse, wear, *_, basis = answer(replace(loads, figures=loads.figures | first, forms=forms))
     assert force == (
         "The pin of joint 1 is hit hardest: 222 \u00b1 8 N, 99 % of deployments stay below 270 N (with 95 % confidence "
-        "below 290 N), discretisation error +10 \u00b1 11 N; with the contact law of a cylinder in its bush joint 1 "
-        "has 780 \u00b1 50 N: so unsure is the model form."
+        "below 290 N), discretisation error +10 \u00b1 11 N; 780 \u00b1 50 N at joint 1 as of a cylinder in its bush, "
+        "178 \u00b1 8 N at joint 1 as of bracket and bush: the model form leaves it between 180 and 780 N."
     )
     assert impulse == (
-        "Within 0.5 s of the last latching joint 3 exchanges most momentum: 55.02 \u00b1 0.08 N s, 99 % of deployments "
+        "Within 0.5 s of the last latching joint 2 exchanges most momentum: 55.02 \u00b1 0.08 N s, 99 % of deployments "
         "stay below 55.60 N s (with 95 % confidence below 55.80 N s), discretisation error -1.13 \u00b1 0.07 N s."
     )
     assert "30.2 \u00b1 1.2 fm" in wear
@@ -229,10 +241,10 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
     assert "those of the release alone, which is assumed" in answer(replace(loads, plan=undrawn))[-1]
     nan = math.nan
     alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, 1),)
-    line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}, form=()))[1]
+    line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}, forms={}))[1]
     assert line == (
-        "The pin of joint 1 is hit hardest: 220 N, discretisation error unknown; model form unknown, for the contact "
-        "law of a cylinder in its bush does not take this array."
+        "The pin of joint 1 is hit hardest: 220 N, discretisation error unknown; model form unknown, for no other "
+        "contact law takes this array."
     )
 
 
@@ -262,15 +274,15 @@ def test_a_member_that_fails_is_named_with_its_parameters_and_left_out(monkeypat
     unlike = {name: [1.0, 2.0] if name in JOINT_QUANTITIES else [1.0] for name in QUANTITIES}
     run = {"latched": True, "quantities": unlike, "hinge_spectrum": [], "hub_spectrum": [], "warnings": []}
     plan = ensemble.LoadsPlan(FAST, RIGID.model, members=6)
-    loads = ensemble.gathered(plan, [failed, *[run] * 17])
+    loads = ensemble.gathered(plan, [failed, *[run] * 23], {})
     assert loads.figures["peak_force"][0].runs == 5
-    assert f"1 of 18 runs failed and are left out ({name}: at t = 1 s" in answer(loads)[-1]
-    with pytest.raises(ValueError, match="2 of 18 runs failed, more than the 10%"):
-        ensemble.gathered(plan, [failed, *[run] * 16, {"failed": {"another": "too"}}])
+    assert f"1 of 24 runs failed and are left out ({name}: at t = 1 s" in answer(loads)[-1]
+    with pytest.raises(ValueError, match="3 of 24 runs failed, more than the 10%"):
+        ensemble.gathered(plan, [failed, *[run] * 21, *({"failed": {name: "too"}} for name in "ab")], {})
 
 
 def test_an_ensemble_that_never_latches_says_what_to_do():
     plan = ensemble.LoadsPlan(FAST, RIGID.model, members=1, deadline=0.3)
     run = {"latched": False, "quantities": {}, "hinge_spectrum": [], "hub_spectrum": [], "warnings": []}
     with pytest.raises(ValueError, match=r"in none of 1 runs all joints latch within 0\.3 s; give a longer --deadline"):
-        ensemble.gathered(plan, [run] * 3)
+        ensemble.gathered(plan, [run] * 4, {})

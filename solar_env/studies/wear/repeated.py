@@ -1,4 +1,4 @@
-"""Wear carried over: deployments repeated with the worn clearance fed back, as in a campaign of ground tests.
+"""Wear carried over: deployments repeated with the worn clearance fed back.
 
 A deployment wears so little that many may pass before the clearance, and with it the motion, has changed: of those that
 change no clearance by more than a given share only the first is simulated. Its wear predicts the clearance of the next
@@ -23,10 +23,11 @@ from solar_env.support.progress import counting_bar
 
 Array = NDArray[np.float64]
 
-FILE = "ground_test.csv"
+FILE = "repeated.csv"
+DEPLOYMENTS = 100
 MODEL = "rigid-clearance"
 DURATION = 30.0  # s
-# Archard's k [m2/N] of ground tests: ten deployments wear like 1e9 at 1e-14, the array's.
+# Archard's k [m2/N]: ten deployments wear like 1e9 at 1e-14, the array's.
 WEAR_COEFFICIENT = 1e-6
 GROWTH = 0.05  # share of a clearance that may be worn before the next deployment is simulated
 MEMBERS = 4  # runs that stand for a deployment
@@ -45,9 +46,9 @@ class Deployment:
     force_error: Array
 
 
-def measure_ground_tests(preset: str, deployments: int, workers: int, console: Console) -> list[Row]:
-    """Simulate a campaign; returns a row for each deployment simulated."""
-    parameters, rows = replace(ArrayParameters.preset(preset), wear_coefficient=WEAR_COEFFICIENT), []
+def measure_repeated(deployments: int, workers: int, console: Console) -> list[Row]:
+    """Repeat deployments of the default array; returns a row for each deployment simulated."""
+    parameters, rows = replace(ArrayParameters(), wear_coefficient=WEAR_COEFFICIENT), []
     with counting_bar(console) as bar:
         task = bar.add_task("deployments", total=deployments)
         for deployment in wear_campaign(parameters, deployments, GROWTH, MEMBERS, workers):

@@ -1,0 +1,49 @@
+"""Command that says what a controlled drive buys over a passive damper: `solar-env compare`."""
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from agents.commands.arguments import ModelOptions
+from agents.comparison.passive_damper import Contest, answer
+from agents.comparison.report import write_comparison
+from agents.environments import DEFAULT_ENV_ID, RIGID, environment_settings, with_sampling
+from agents.laws.table import TUNABLE
+from solar_env.commands.arguments import ArrayOption, CommandRecord, WorkerOptions
+from solar_env.support.files import make_folder
+from solar_env.support.progress import print_markdown
+
+
+@dataclass
+class Args(ArrayOption, ModelOptions, WorkerOptions, CommandRecord):
+    """Compare a controlled drive with a passive damper, on your array.
+
+    The damping of the hinges and the drive's laws are tuned on the array, by the environment's return; a shipped policy
+    takes part where it fits. The model is rigid-clearance unless another is named; the drive's limit is the
+    environment's, --env-kwargs torque_limit=0.3.
+    """
+
+    points: int = 100
+    """candidates that each law is tuned with"""
+    episodes: int = 20
+    """evaluation episodes of each"""
+    seed: int = 0
+    """of tuning and evaluation"""
+    out: Path = Path("compare")
+    """folder for episodes.csv, metrics.json and comparison.md"""
+
+
+def run_command(args: Args) -> int:
+    """Run the command; see `Args`."""
+    array = args.parameter_file
+    given = {"parameters": array.parameters.to_dict(), **args.keywords(RIGID)}
+    drawn = {"randomize": dict(array.randomize)} if array.randomize else {}
+    env_kwargs = with_sampling({**drawn, **given}, DEFAULT_ENV_ID)
+    limit = environment_settings(DEFAULT_ENV_ID, env_kwargs).task.torque_limit
+    make_folder(args.out)
+    contest = Contest(DEFAULT_ENV_ID, env_kwargs, args.points, 4, args.workers, args.seed, not args.quiet)
+    rows, found = contest.rows(list(TUNABLE), args.episodes)
+    settings = {**asdict(args), "out": str(args.out), "env_kwargs": env_kwargs, "found": found}
+    summary, tables = write_comparison(args.out, rows, settings)
+    print_markdown(tables)
+    print(*answer(summary, found, limit), f"written to {args.out}", sep="\n")
+    return 0

@@ -1,0 +1,194 @@
+"""Question that a design study answers: what may change, what must hold, and what is to be least."""
+
+import operator
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from solar_env.array import ArrayParameters, ParameterFile
+from solar_env.array.motorization import slowest_damper
+from solar_env.array.parameters.checks import row_of
+from solar_env.studies.loads.quantities import QUANTITIES
+from solar_env.support.values import check_name, is_number
+
+DEADLINE = 60.0  # s, by which all joints must have latched, unless less is asked for
+_FACTOR = 10.0  # by which a parameter is made smaller and greater where no range is given
+_COMPARISONS = {"<": operator.lt, ">": operator.gt}
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Bound on a quantity, in the unit in which it is printed."""
+
+    quantity: str
+    comparison: str  # "<" or ">"
+    bound: float
+
+    def __str__(self) -> str:
+        """State the condition with its unit."""
+        return f"{self.quantity} {self.comparison} {self.bound:g} {QUANTITIES[self.quantity].unit}".rstrip()
+
+    def excess(self, value: float) -> float:
+        """Share of the bound by which a value misses it; 0 where it holds."""
+        if _COMPARISONS[self.comparison](value, self.bound):
+            return 0.0
+        return abs(value - self.bound) / max(abs(self.bound), 1e-12)
+
+
+def parse_condition(text: str) -> Condition:
+    """Read a condition such as "latch_time < 30"; spaces in the name may stand for underscores.
+
+    Raises:
+        ValueError: It cannot be read, or the quantity is unknown.
+    """
+    match = re.fullmatch(r"\s*(.+?)\s*([<>])\s*(\S+)\s*", text)
+    try:
+        bound = float(match[3]) if match else np.nan
+    except ValueError:
+        bound = np.nan
+    if match is None or not np.isfinite(bound):
+        raise ValueError(f'cannot read the condition {text!r}; write for example "latch_time < 30"')
+    return Condition(quantity_name(match[1]), match[2], bound)
+
+
+def quantity_name(text: str) -> str:
+    """Name of a quantity; spaces may stand for underscores.
+
+    Raises:
+        ValueError: The quantity is unknown.
+    """
+    name = "_".join(text.split())
+    check_name("quantity", name, QUANTITIES)
+    return name
+
+
+@dataclass(frozen=True)
+class Change:
+    """Parameter that may change between two ends, which of one that differs from joint to joint are factors."""
+
+    name: str
+    low: float
+    high: float
+    factor: bool
+
+    @property
+    def label(self) -> str:
+        """Name for a table or an axis."""
+        return f"{self.name} times" if self.factor else self.name
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether values are spaced by ratio."""
+        return self.low > 0.0 and self.high / self.low >= _FACTOR
+
+    def value(self, share: float) -> float:
+        """Value at a share of the way from the low to the high end."""
+        if self.logarithmic:
+            return float(f"{self.low * (self.high / self.low) ** share:.4g}")
+        return float(f"{self.low + share * (self.high - self.low):.4g}")
+
+    def share(self, value: float) -> float:
+        """Inverse of `value`, within 0 and 1."""
+        if self.logarithmic:
+            share = np.log(max(value, self.low) / self.low) / np.log(self.high / self.low)
+        else:
+            share = (value - self.low) / (self.high - self.low)
+        return float(np.clip(share, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class DesignPlan:
+    """Question.
+
+    Attributes:
+        array: Parameters, and what of them is drawn.
+        change: What may change, from names of parameters to ranges (low, high), or to None for the usual range.
+        keep: What must hold, of the joint where the quantity is greatest.
+        least: Quantity that is to be least, of the joint where it is greatest.
+        members: Runs that a design is judged by.
+        points: Designs that are tried.
+
+    Raises:
+        ValueError: On construction, for a parameter that cannot change so, or a count that is not positive.
+    """
+
+    array: ParameterFile
+    change: Mapping[str, Any]
+    keep: Sequence[Condition]
+    least: str
+    members: int = 2
+    points: int = 49
+
+    def __post_init__(self) -> None:
+        for name, count in (("runs", self.members), ("points", self.points)):
+            if count < 1:
+                raise ValueError(f"{name} = {count!r} must be at least 1")
+        if not self.change:
+            raise ValueError("nothing is to change; name parameters, for example --change hinge_damping latch_damping")
+        drawn = [name for name in self.change if name in self.array.randomize]
+        if drawn:
+            raise ValueError(f"{drawn[0]} is drawn from a range of the file; take it out there to choose it")
+        for change in self.changes:
+            for end in (change.low, change.high):
+                self.parameters({change.name: end})
+
+    @cached_property
+    def changes(self) -> tuple[Change, ...]:
+        """Parameters that may change, with their ranges."""
+        return tuple(_change(self.array.parameters, name, given, self.deadline) for name, given in self.change.items())
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """The quantities that are asked for: first the one that is to be least."""
+        return tuple(dict.fromkeys([self.least, *(condition.quantity for condition in self.keep)]))
+
+    @property
+    def deadline(self) -> float:
+        """Time by which all joints must have latched [s]."""
+        bounds = [c.bound for c in self.keep if c.quantity == "latch_time" and c.comparison == "<" and c.bound > 0.0]
+        return min(bounds, default=DEADLINE)
+
+    def parameters(self, values: Mapping[str, float]) -> ArrayParameters:
+        """The array with some values of what may change.
+
+        Raises:
+            ValueError: A value is refused.
+        """
+        nominal, factors = self.array.parameters, {change.name: change.factor for change in self.changes}
+        return nominal.with_changes(
+            {
+                name: tuple(value * entry for entry in nominal.entries(name)) if factors[name] else value
+                for name, value in values.items()
+            }
+        )
+
+    def today(self) -> dict[str, float]:
+        """The values that the array has."""
+        return {
+            change.name: 1.0 if change.factor else float(self.array.parameters.entries(change.name)[0])
+            for change in self.changes
+        }
+
+
+def _change(parameters: ArrayParameters, name: str, given: Any, deadline: float) -> Change:
+    check_name("parameter", name, vars(parameters))
+    entries = parameters.entries(name)
+    if name not in ArrayParameters.CONTINUOUS or None in entries:
+        raise ValueError(f"{name} = {getattr(parameters, name)!r} is not a real number and cannot be changed in steps")
+    factor = len(set(entries)) > 1
+    if given is None:
+        nominal = 1.0 if factor else entries[0]
+        if nominal > 0.0:
+            rule = row_of(next(item for item in fields(parameters) if item.name == name)).rule
+            given = (max(nominal / _FACTOR, rule.least), min(nominal * _FACTOR, rule.greatest))
+        elif name == "hinge_damping":
+            given = (0.0, slowest_damper(parameters, deadline))
+        else:
+            raise ValueError(f"{name} = {nominal!r} says nothing of a usual range; give one, {name}=LOW,HIGH")
+    if not (isinstance(given, tuple) and len(given) == 2 and all(map(is_number, given)) and given[0] < given[1]):
+        raise ValueError(f"the range of {name}, {given!r}, must be two numbers LOW,HIGH with LOW < HIGH")
+    return Change(name, float(given[0]), float(given[1]), factor)

@@ -1,0 +1,128 @@
+"""Designs measured: an ensemble for each, at the cheapest level of the model that answers the question on the array."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from solar_env.array import build
+from solar_env.studies.common.motion import Level
+from solar_env.studies.design.plan import DesignPlan
+from solar_env.studies.loads.ensemble import LoadsPlan, run_member
+from solar_env.studies.loads.quantities import QUANTITIES
+from solar_env.support.campaigns import Campaign, Cell
+
+STORE = "design.jsonl"
+WINDOW = 10.0  # s, simulated after the last latching
+TOLERANCE = 0.1  # of a figure, within which a level answers
+# From the cheapest; those that do not take an array are passed over.
+CANDIDATES = ("rigid-clearance", "flexible-clearance:8 modes", "flexible-clearance", "flexible-clearance:4 elements")
+
+
+@dataclass(frozen=True)
+class Point:
+    """A design and its figures.
+
+    Attributes:
+        values: Of what may change.
+        figures: Mean over the members by quantity, of the joint where it is greatest, in the printed unit; nan where a
+            member failed.
+        scatter: Standard error of the quantity that is to be least.
+        failing: Why it is no answer; empty where it is one.
+        excess: Sum of the shares by which conditions are missed; inf where a member failed.
+    """
+
+    values: Mapping[str, float]
+    figures: Mapping[str, float]
+    scatter: float
+    failing: str
+    excess: float
+
+
+class Bench:
+    """Measures designs, and keeps what it has measured in a folder.
+
+    Args:
+        plan: The question.
+        folder: Of the results, with which an interrupted study goes on.
+        workers: Number of processes.
+        console: Shows the progress.
+    """
+
+    def __init__(self, plan: DesignPlan, folder: Path, workers: int, console: Console) -> None:
+        self.plan, self._store, self._workers, self._console = plan, folder / STORE, workers, console
+        self._loads = LoadsPlan(plan.array, members=plan.members, window=WINDOW, deadline=plan.deadline)
+
+    @property
+    def finest(self) -> Level:
+        """The finest level."""
+        return self._loads.levels[1]
+
+    def level(self) -> tuple[Level, str]:
+        """Choose the cheapest level whose figures of the array as it is are right within TOLERANCE; say how right.
+
+        Where the array as it is fails, the level of `loads` is taken.
+        """
+        levels = [level for level in map(Level, CANDIDATES) if self._takes(level)]
+        results = self.measured([(self.plan.today(), level, 0) for level in (*levels, self.finest)], "levels")
+        reference = results.pop()
+        if not np.isfinite(list(reference.figures.values())).all():
+            return self._loads.levels[0], "the array as it is fails: the level is that of loads"
+        for level, point in zip(levels, results, strict=True):
+            errors = {
+                name: abs(point.figures[name] - right) / max(abs(right), 1e-300)
+                for name, right in reference.figures.items()
+            }
+            worst = max(errors, key=lambda name: errors[name])
+            if errors[worst] <= TOLERANCE:
+                return level, f"on the array as it is {worst} is {100.0 * errors[worst]:.1g} % off the finest level's"
+        return self.finest, f"no cheaper one is within {TOLERANCE:.0%} of it"
+
+    def _takes(self, level: Level) -> bool:
+        try:
+            build(self.plan.array.parameters, level.model)
+        except ValueError:
+            return False
+        return True
+
+    def measured(self, asked: Sequence[tuple[Mapping[str, float], Level, int]], what: str = "") -> list[Point]:
+        """Measure designs, each at a level with the members after a number of them; under a bar that says `what`."""
+        cells: list[list[Cell]] = []
+        for values, level, first in asked:
+            members = range(first + 1, first + self.plan.members + 1)
+            try:
+                array = self.plan.parameters(values)
+                cells.append([self._loads.cell(level, array, self.plan.array.randomize, k) for k in members])
+            except ValueError:
+                cells.append([])
+        campaign = Campaign(run_member, [cell for several in cells for cell in several], self._store)
+        if what:
+            campaign.run_shown(self._workers, self._console, what)
+        else:
+            list(campaign.run(self._workers))
+        return [
+            self._point(values, [campaign.result(cell) for cell in several])
+            for (values, *_), several in zip(asked, cells, strict=True)
+        ]
+
+    def _point(self, values: Mapping[str, float], runs: Sequence[Mapping[str, Any]]) -> Point:
+        unknown = dict.fromkeys(self.plan.quantities, np.nan)
+        if not runs:
+            return Point(values, unknown, np.nan, "refused", np.inf)
+        if any("failed" in run for run in runs):
+            return Point(values, unknown, np.nan, "simulation failed", np.inf)
+        if not all(run["latched"] for run in runs):
+            return Point(values, unknown, np.nan, f"no latching within {self.plan.deadline:g} s", np.inf)
+        table = {
+            name: QUANTITIES[name].scale * np.array([np.max(run["quantities"][name]) for run in runs])
+            for name in self.plan.quantities
+        }
+        figures = {name: float(column.mean()) for name, column in table.items()}
+        least = table[self.plan.least]
+        scatter = float(least.std(ddof=1)) / len(least) ** 0.5 if len(least) > 1 else np.nan
+        missed = [condition for condition in self.plan.keep if condition.excess(figures[condition.quantity]) > 0.0]
+        excess = sum(condition.excess(figures[condition.quantity]) for condition in missed)
+        return Point(values, figures, scatter, " and ".join(f"not {condition}" for condition in missed), excess)

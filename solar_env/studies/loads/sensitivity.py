@@ -1,0 +1,165 @@
+"""Sensitivity: which parameter changes which figure, and by how much.
+
+Where a file says between what its parameters lie, the figures of the members are regressed on the parameters drawn for
+them: the standardised coefficients are those of A. Saltelli et al., "Global Sensitivity Analysis: The Primer" (2008),
+section 1.2.5, doi:10.1002/9780470725184. Else each parameter is shifted by a tenth, one at a time.
+"""
+
+import contextlib
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from solar_env.array import ArrayParameters, build
+from solar_env.array.parameters.ranges import Ranges
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+
+Array = NDArray[np.float64]
+Shift = tuple[str, float]  # a parameter, and what it is multiplied by
+Result = Mapping[str, Any]  # of a run: its quantities, or why it failed
+
+SHARE = 0.1  # by which a parameter is shifted
+_CONFIDENCE = 0.95
+_LEAST = 0.01  # standardised coefficient that is told
+
+
+@dataclass(frozen=True)
+class Effects:
+    """Effects of parameters on one figure of one joint, or of the hub.
+
+    Attributes:
+        low, high: by parameter. One at a time: the figure's relative change where the parameter is smaller and greater
+            by SHARE; nan where that run was refused, failed or did not latch. Of a regression: standardised
+            coefficient, low and high end of its 95 % interval.
+        noise: change that is none: within the scatter of two runs alike; 0 of a regression.
+        explained: share of the variance that a regression explains, adjusted for the number of parameters; else nan.
+    """
+
+    low: Mapping[str, float]
+    high: Mapping[str, float]
+    noise: float
+    explained: float = np.nan
+
+    @property
+    def ranking(self) -> list[str]:
+        """The parameters whose effect is no noise, the greatest first."""
+        size = {name: np.nanmax(np.abs([self.low[name], self.high[name], 0.0])) for name in self.low}
+        if np.isfinite(self.explained):
+            told = [name for name in size if self.low[name] * self.high[name] > 0.0 and size[name] > _LEAST]
+            return sorted(told, key=lambda name: -abs(self.low[name] + self.high[name]))
+        return sorted((name for name in size if size[name] > self.noise), key=lambda name: -size[name])
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Effects by quantity and joint; empty where too few runs tell of them."""
+
+    drawn: bool  # whether from the draws, and not one at a time
+    effects: Mapping[str, tuple[Effects, ...]]
+    missing: str = ""  # why there are none
+
+
+def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayParameters]:
+    """Arrays with one continuous parameter greater or smaller by SHARE, of all joints alike, and the nominal one.
+
+    Those that are refused, or change nothing in the model, are left out, as are parameters of 0, of which no share is
+    known.
+    """
+    nominal = build(parameters, model)
+    found: dict[Shift | None, ArrayParameters] = {None: parameters}
+    for name in ArrayParameters.CONTINUOUS:
+        entries = parameters.entries(name)
+        if None in entries or not any(entries):
+            continue
+        for factor in (1.0 - SHARE, 1.0 + SHARE):
+            shifted = tuple(factor * entry for entry in entries) if len(entries) > 1 else factor * entries[0]
+            with contextlib.suppress(ValueError), warnings.catch_warnings():
+                warnings.simplefilter("ignore", SimulationWarning)  # of values that are only tried
+                changed = parameters.with_changes({name: shifted})
+                if build(changed, model) != nominal:
+                    found[name, factor] = changed
+    return found
+
+
+def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array]) -> Sensitivity:
+    """Effects of shifts, from runs of the nominal array (None) and of shifted ones.
+
+    Args:
+        runs: Result by shift.
+        alike: (members, joints) values of each quantity over runs that are meant to be alike.
+    """
+    nominal = runs[None]
+    if "failed" in nominal:
+        return Sensitivity(False, {}, "the run of the nominal array failed")
+    names = list(dict.fromkeys(shift[0] for shift in runs if shift))
+    effects = {}
+    for quantity, figures in nominal["quantities"].items():
+        base = np.array(figures, dtype=float)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            changes = {
+                shift: np.array(run["quantities"][quantity], dtype=float) / base - 1.0
+                for shift, run in runs.items()
+                if shift and "failed" not in run
+            }
+            deviation = (
+                alike[quantity].std(axis=0, ddof=1) / np.abs(base) if len(alike[quantity]) > 1 else np.nan * base
+            )
+        noise = math.sqrt(2.0) * float(stats.norm.ppf(0.5 * (1.0 + _CONFIDENCE))) * deviation
+        unknown = np.full(base.shape, np.nan)
+        low, high = (
+            {name: changes.get((name, factor), unknown) for name in names} for factor in (1.0 - SHARE, 1.0 + SHARE)
+        )
+        effects[quantity] = tuple(
+            Effects(
+                {name: float(change[j]) for name, change in low.items()},
+                {name: float(change[j]) for name, change in high.items()},
+                float(noise[j]),
+            )
+            for j in range(len(base))
+        )
+    return Sensitivity(False, effects)
+
+
+def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mapping[str, Array]) -> Sensitivity:
+    """Effects of parameters drawn from ranges on quantities.
+
+    Args:
+        ranges: What was drawn.
+        members: The arrays drawn.
+        values: (members, joints) of each quantity; nan where a member does not tell.
+    """
+    columns: dict[str, Array] = {}
+    for name, (low, _) in ranges.items():
+        for j in range(len(low)) if isinstance(low, tuple) else (None,):
+            drawn = np.array([member.entries(name)[j or 0] for member in members])
+            if np.ptp(drawn) > 0.0:
+                columns[name if j is None else f"{name}, joint {j + 1}"] = drawn
+    fewest = len(columns) + 3
+    if len(members) < fewest:
+        return Sensitivity(True, {}, f"{len(columns)} parameters are drawn, whose effects take {fewest} runs and more")
+    effects = {quantity: tuple(_regressed(columns, y) for y in table.T) for quantity, table in values.items()}
+    return Sensitivity(True, effects)
+
+
+def _regressed(columns: Mapping[str, Array], y: Array) -> Effects:
+    """Standardised coefficients of an ordinary least-squares fit, with their intervals."""
+    known = np.isfinite(y)
+    count, freedom = int(known.sum()), int(known.sum()) - len(columns) - 1
+    unknown = dict.fromkeys(columns, np.nan)
+    if freedom < 2 or np.ptp(y[known]) == 0.0:
+        return Effects(unknown, unknown, 0.0)
+    x = np.column_stack([values[known] for values in columns.values()])
+    x, z = (x - x.mean(axis=0)) / x.std(axis=0), (y[known] - y[known].mean()) / y[known].std()
+    inverse = np.linalg.pinv(x.T @ x)
+    coefficients = inverse @ x.T @ z
+    variance = float(np.sum((z - x @ coefficients) ** 2)) / freedom
+    half = float(stats.t.ppf(0.5 * (1.0 + _CONFIDENCE), freedom)) * np.sqrt(variance * np.diag(inverse))
+    explained = 1.0 - variance * (count - 1) / count
+    low, high = (dict(zip(columns, (coefficients + sign * half).tolist(), strict=True)) for sign in (-1.0, 1.0))
+    return Effects(low, high, 0.0, explained)

@@ -1,0 +1,4 @@
+"""Deployments repeated with the worn clearance fed back.
+
+`repeated` measures them, `plot` draws them. Imports `common`.
+"""

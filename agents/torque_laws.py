@@ -116,7 +116,8 @@ class TorqueLaw(DeterministicController):
     """Entries of the observation that the law needs."""
 
     def __init__(self, signals: Signals) -> None:
-        if not isinstance(signals.driven_joint, int):
+        several = not isinstance(signals.driven_joint, int)
+        if several and self.reads:
             raise ValueError(f"driven_joint = {signals.driven_joint!r}: laws drive one hinge; name one, or train")
         if signals.action != "torque":
             raise ValueError(
@@ -133,19 +134,20 @@ class TorqueLaw(DeterministicController):
             )
         self._column = {name: names.index(entry) for name, entry in read.items()}
         self._latch_columns = [column for column, name in enumerate(names) if name.startswith("latched_")]
-        self._signals = signals
+        self._signals, self._motors = signals, np.size(signals.driven_joint)
 
     @abstractmethod
     def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         """Torque (n,) [N m] from named entries (n,); `all_latched` (n,) is true where every joint has latched."""
 
     def act(self, observation: np.ndarray) -> np.ndarray:
-        """Map observations (n_obs,) or (n, n_obs) to actions (1,) or (n, 1), clipped to [-1, 1]."""
+        """Map observations (n_obs,) or (n, n_obs) to actions (motors,) or (n, motors), clipped to [-1, 1]."""
         batch = np.atleast_2d(np.asarray(observation, dtype=np.float64))
         entries = {name: batch[:, column] for name, column in self._column.items()}
         all_latched = np.all(batch[:, self._latch_columns] > 0.5, axis=1)
         torque = np.broadcast_to(self._torque(entries, all_latched), len(batch))
         action = np.clip(torque / self._signals.torque_limit, -1.0, 1.0).astype(np.float32)[:, None]
+        action = np.repeat(action, self._motors, axis=1)
         return action if np.ndim(observation) == 2 else action[0]
 
 

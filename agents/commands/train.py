@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from agents.commands.arguments import ModelOptions
-from agents.comparison.evaluation import evaluate
+from agents.comparison.evaluation import evaluate, fitting
 from agents.comparison.figures import Panel, learning_curves_figure
 from agents.comparison.report import write_comparison
 from agents.environments import INTERFACE, episode_seeds
@@ -61,16 +61,17 @@ def run_command(args: Args) -> int:
         config = configuration(args)
         folder = runs.new_run_folder(args.out, config)
     timesteps = config.timesteps if args.timesteps is None else args.timesteps
+    shared = {name: value for name, value in config.env_kwargs.items() if name not in INTERFACE}
+    laws = fitting(LAWS, config.env_id, shared)
     print(f"{config.algo} on {config.env_id}, {timesteps} steps -> {folder}")
     with keeping(lambda: f"solar-env train --resume {folder} goes on from the last validation"):
         train(config, folder, timesteps, progress=not args.quiet)
-        shared = {name: value for name, value in config.env_kwargs.items() if name not in INTERFACE}
         episodes = args.eval_episodes, config.seed, config.env_id, shared
-        rows = evaluate([*LAWS, f"{config.algo}={folder}"], *episodes, not args.quiet, args.workers)
+        rows = evaluate([*laws, f"{config.algo}={folder}"], *episodes, not args.quiet, args.workers)
     summary, tables = write_comparison(folder, rows, {"command": args.command, "eval_episodes": args.eval_episodes})
     history = runs.read_evaluations(folder)
     curve = history["timesteps"], history["results"].mean(axis=1)
-    panel = Panel({config.algo: [curve]}, {name: summary[name]["return"].mean for name in LAWS})
+    panel = Panel({config.algo: [curve]}, {name: summary[name]["return"].mean for name in laws})
     learning_curves_figure({config.env_id: panel}, folder / "figure.png", ("environment steps",))
     print_markdown(tables)
     print(f"written to {folder}")

@@ -1,7 +1,6 @@
 """Command that tunes a torque law by CMA-ES on the environment's return: `solar-env tune`."""
 
 import json
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated
 
@@ -9,13 +8,12 @@ import numpy as np
 import tyro
 
 from agents.commands.arguments import ModelOptions
-from agents.comparison.evaluation import mean_returns
+from agents.comparison.law_search import LawSearch
 from agents.configs import CONFIGS
 from agents.environments import (
     DEFAULT_ENV_ID,
     OF_LAWS,
     environment_settings,
-    episode_seeds,
     with_interface,
     with_sampling,
 )
@@ -24,7 +22,6 @@ from agents.laws.table import TUNABLE
 from agents.learning import runs
 from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import check_target
-from solar_env.support.minimisation import minimise
 
 
 @dataclass
@@ -60,31 +57,16 @@ def run_command(args: Args) -> int:
     keywords, workers = with_interface(args.keywords(), args.controller, OF_LAWS), args.workers
     env_kwargs = with_sampling(keywords, args.env_id)
     model = environment_settings(args.env_id, env_kwargs).level.name
-    validation = episode_seeds("validation", args.seed, args.validation_episodes)
     start = load_parameters(args.controller, args.refine, model) if args.refine else untuned
     before = tuning_of(args.controller, args.refine, model) if args.refine else {}
-    generations, simulated = 0, 0
-
-    def returns(points: Sequence[np.ndarray], seeds: Sequence[int]) -> list[float]:
-        parameters = [untuned.from_unit(np.clip(point, 0.0, 1.0)) for point in points]
-        return mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)
-
-    def costs(points: Sequence[np.ndarray]) -> list[float]:
-        """All points of a generation have the same fresh training episodes."""
-        nonlocal generations, simulated
-        generations += 1
-        simulated += len(points) * args.episodes_per_candidate
-        seeds = episode_seeds("training", args.seed, generations * args.episodes_per_candidate)
-        return [-value for value in returns(points, seeds[-args.episodes_per_candidate :])]
-
     points = args.episodes // args.episodes_per_candidate
-    spread = 0.05 if args.refine else 0.25
-    candidates = minimise(costs, start.to_unit(), points, args.seed, not args.quiet, spread)
-    validated = returns(candidates, validation)
+    budget = points, args.episodes_per_candidate, args.validation_episodes
+    search = LawSearch(args.controller, args.env_id, env_kwargs, *budget, args.seed, workers, not args.quiet)
+    candidates, validated, simulated = search.run(start, 0.05 if args.refine else 0.25)
     best = int(np.argmax(validated))
     spent = before.get("training_episodes_with_start", before.get("training_episodes", 0))
     entry = {
-        "parameters": asdict(untuned.from_unit(candidates[best])),
+        "parameters": asdict(candidates[best]),
         "tuning": {
             "command": args.command,
             "env_kwargs": runs.jsonable(env_kwargs),

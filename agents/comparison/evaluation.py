@@ -1,15 +1,14 @@
 """Evaluation of controllers on the same episodes, which are tasks for any process, and what to compare them on."""
 
+import contextlib
 import hashlib
 import json
-import math
+import warnings
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
 
 import gymnasium
-import numpy as np
 from rich.console import Console
 
 from agents.comparison.controllers import NamedController, parse_controller, parse_controllers
@@ -17,17 +16,18 @@ from agents.comparison.report import Row
 from agents.environments import (
     DEFAULT_ENV_ID,
     INTERFACE,
+    OF_LAWS,
     Keywords,
     episode_seeds,
     make_env,
     with_interface,
     with_sampling,
 )
-from agents.laws.baselines import make_baseline
+from agents.laws.baselines import UntunedWarning, make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
 from agents.rollout import run_episode
-from agents.torque_laws import Controller, LawParameters
+from agents.torque_laws import Controller
 from solar_env.mechanics.running.diagnosis import warn
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.failures import told
@@ -98,6 +98,17 @@ def without_failed(rows: Sequence[Row]) -> list[Row]:
     return [row for row in rows if row["episode"] not in out]
 
 
+def fitting(laws: Sequence[str], env_id: str, env_kwargs: Mapping[str, object]) -> list[str]:
+    """Choose the laws that fit an environment: they observe what they read, and drive one hinge."""
+    env, found = make_env(env_id, {**env_kwargs, **OF_LAWS}), []
+    for law in laws:
+        with contextlib.suppress(ValueError), warnings.catch_warnings():
+            warnings.simplefilter("ignore", UntunedWarning)
+            make_baseline(law, env)
+            found.append(law)
+    return found
+
+
 def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[str, object], seed: int) -> Cell:
     """Make the cell of one episode of a controller; JSON keeps the environment keywords."""
     files = controller.files()
@@ -143,21 +154,6 @@ def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) ->
         for cell, figures in bar.track(ran, total=len(different), description="episodes"):
             done[json.dumps(cell, sort_keys=True)] = figures
     return [done[key] for key in keys]
-
-
-def mean_returns(
-    controller: str,
-    candidates: Sequence[LawParameters],
-    env_id: str,
-    env_kwargs: Mapping[str, object],
-    seeds: Sequence[int],
-    workers: int,
-) -> list[float]:
-    """Return the mean return of each candidate for a law's parameters, over the same episodes; of a failure -inf."""
-    law = {"spec": controller, "env_id": env_id, "env_kwargs": runs.jsonable(env_kwargs)}
-    cells = [{**law, "parameters": asdict(parameters), "seed": seed} for parameters in candidates for seed in seeds]
-    returns = [figures.get("return", -math.inf) for figures in run_cells(cells, workers, progress=False)]
-    return np.reshape(returns, (len(candidates), len(seeds))).mean(axis=1).tolist()
 
 
 def _digest(paths: Sequence[Path]) -> str:

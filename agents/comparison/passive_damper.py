@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from agents.comparison.controllers import parse_controller
-from agents.comparison.evaluation import mean_returns, run_cells, without_failed
+from agents.comparison.evaluation import run_cells, without_failed
+from agents.comparison.law_search import LawSearch
 from agents.comparison.report import Row, Summary
 from agents.environments import OF_LAWS, Keywords, environment_settings, episode_seeds, make_env, with_interface
 from agents.laws.table import TUNABLE
@@ -15,7 +16,6 @@ from agents.learning import runs
 from solar_env.array import ModelLevel
 from solar_env.array.motorization import slowest_damper
 from solar_env.support.campaigns import Cell
-from solar_env.support.minimisation import minimise
 
 SPRINGS, DAMPER, DRIVE = "springs alone", "passive damper", "drive by"  # how the names of contestants begin
 _COARSE, _FINE = 12, 6  # dampers that are tried over two decades, and then between the neighbours of the best
@@ -23,16 +23,7 @@ _COARSE, _FINE = 12, 6  # dampers that are tried over two decades, and then betw
 
 @dataclass(frozen=True)
 class Contest:
-    """Array, environment and budget of a comparison.
-
-    Attributes:
-        env_id, env_kwargs: Environment with the array's parameters, as a dictionary, and the ranges to draw from.
-        points: Candidates for a law's parameters.
-        episodes: Episodes that a candidate is judged by.
-        workers: Processes.
-        seed: Of the searches and of all episodes.
-        progress: Show progress bars.
-    """
+    """Environment with the parameters of an array, as a dictionary, and the budget of tuning."""
 
     env_id: str
     env_kwargs: Keywords
@@ -64,44 +55,34 @@ class Contest:
             returns = [figures.get("return", -np.inf) for figures in run_cells(asked, self.workers, self.progress)]
             tried |= dict(zip(dampings, np.reshape(returns, (count, -1)).mean(axis=1).tolist(), strict=True))
             best = max(tried, key=lambda damping: tried[damping])
-            ratio = 1e2 ** (1.0 / (_COARSE - 1))
-            ends = best / ratio, best * ratio
+            ends = best * 1e-2 ** (1.0 / (_COARSE - 1)), best * 1e2 ** (1.0 / (_COARSE - 1))
         return best
 
     def tuned(self, law: str) -> dict[str, Any]:
         """Find the parameters of a law with the highest mean return, as JSON keeps them."""
-        defaults, keywords = TUNABLE[law].defaults, {**self.env_kwargs, **OF_LAWS}
-        generations = 0
-
-        def costs(points: Sequence[np.ndarray]) -> list[float]:
-            nonlocal generations
-            generations += 1
-            seeds = episode_seeds("training", self.seed, generations * self.episodes)[-self.episodes :]
-            candidates = [defaults.from_unit(np.clip(point, 0.0, 1.0)) for point in points]
-            return [-value for value in mean_returns(law, candidates, self.env_id, keywords, seeds, self.workers)]
-
-        found = minimise(costs, defaults.to_unit(), self.points, self.seed, self.progress)
-        seeds = episode_seeds("validation", self.seed, 4 * self.episodes)
-        candidates = [defaults.from_unit(np.clip(point, 0.0, 1.0)) for point in found]
-        returns = mean_returns(law, candidates, self.env_id, keywords, seeds, self.workers)
-        return asdict(candidates[int(np.argmax(returns))])
+        keywords, budget = {**self.env_kwargs, **OF_LAWS}, (self.points, self.episodes, 4 * self.episodes)
+        search = LawSearch(law, self.env_id, keywords, *budget, self.seed, self.workers, self.progress)
+        candidates, validated, _ = search.run(TUNABLE[law].defaults)
+        return asdict(candidates[int(np.argmax(validated))])
 
     def rows(self, laws: Sequence[str], episodes: int) -> tuple[list[Row], Keywords]:
         """Tune everything, and run it on the same evaluation episodes.
 
-        Returns:
-            Rows for `agents.comparison.report`, and what was found: the damping, the laws' parameters, and why a policy
-            does not fit.
+        Returns rows for `agents.comparison.report`, and what was found: damping, parameters, and what does not fit.
         """
         seeds, driven = episode_seeds("evaluation", self.seed, episodes), {**self.env_kwargs, **OF_LAWS}
         damping = self.best_damper()
-        found: Keywords = {"hinge_damping": damping, "laws": {law: self.tuned(law) for law in laws}, "policy": None}
+        found: Keywords = {"hinge_damping": damping, "laws": {}, "unfit": []}
         contestants = {
             SPRINGS: self.cells("passive", driven, seeds),
             f"{DAMPER} of {damping:g} N m s/rad": self.cells("passive", self.damped(damping), seeds),
         }
-        for law, parameters in found["laws"].items():
-            contestants[f"{DRIVE} {law}"] = self.cells(law, driven, seeds, parameters=parameters)
+        for law in laws:
+            try:
+                found["laws"][law] = self.tuned(law)
+                contestants[f"{DRIVE} {law}"] = self.cells(law, driven, seeds, parameters=found["laws"][law])
+            except ValueError as error:
+                found["unfit"].append(f"The law {law} does not fit: {error}.")
         policy = "flexible" if ModelLevel.of(str(self.env_kwargs["model"])).flexible else "rigid"
         try:
             named = parse_controller(policy)
@@ -109,7 +90,7 @@ class Contest:
             named.load(make_env(self.env_id, keywords))
             contestants[f"{DRIVE} {policy}"] = self.cells(policy, keywords, seeds)
         except ValueError as error:
-            found["policy"] = f"the shipped policy {policy} does not fit: {error}"
+            found["unfit"].append(f"The shipped policy {policy} does not fit: {error}.")
         asked = [cell for cells in contestants.values() for cell in cells]
         labels = [
             {"controller": name, "spec": cell["spec"], "episode": k}
@@ -132,4 +113,4 @@ def answer(summary: Summary, found: Mapping[str, Any], torque_limit: float) -> l
         f"after latching {force[better]:.3g} and {force[worse]:.3g} N; the springs alone have "
         f"{returns[SPRINGS]:.2f} and {force[SPRINGS]:.3g} N. The drive has up to {torque_limit:g} N m."
     ]
-    return [*lines, f"{found['policy'][0].upper()}{found['policy'][1:]}."] if found["policy"] else lines
+    return [*lines, *found["unfit"]]

@@ -91,7 +91,7 @@ def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | Non
     signals = Signals.of(env)
     if name not in TUNABLE:
         return LAWS[name](signals)
-    if signals.driven_joint and not parameters:
+    if signals.driven_joint in range(1, len(signals.lock_angles)) and not parameters:
         warnings.warn(
             f"{name!r} was tuned with the motor on the root hinge, not on joint {signals.driven_joint + 1}; tune it: "
             f"solar-env tune --controller {name} --env-kwargs driven_joint={signals.driven_joint}",

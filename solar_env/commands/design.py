@@ -7,6 +7,8 @@ from pathlib import Path
 from solar_env.commands.arguments import ArrayOption, CommandRecord, WorkerOptions, parse_assignments
 from solar_env.support.files import make_folder
 
+PICTURE = "design.png"
+
 
 @dataclass
 class Args(ArrayOption, WorkerOptions, CommandRecord):
@@ -52,7 +54,7 @@ def run_command(args: Args) -> int:
     for model in CANDIDATES[:2]:
         warm_up(args.console, model, default_integrator(model).name)
     found = find_design(Bench(plan, args.out, workers, args.console), args.seed, not args.quiet)
-    table, picture = args.out / "design.csv", args.out / "design.png"
+    table, picture = args.out / "design.csv", args.out / PICTURE
     write_table(table, [row_of(plan, point) for point in (found.today, *found.points)], provenance(args.command))
     draw_design(found, picture)
     for line in answer(found):

@@ -42,7 +42,7 @@ class Scene:
         in_contact: whether the journal presses on the bearing, (nj,) bool.
         normal_force: contact force; of an ideal joint the joint force, (nj,) [N].
         latched: (nj,) bool.
-        motor_torque: torque of the root-hinge motor [N m].
+        motor_torques: of every motor [N m].
         force_times: instants of the force history, ascending, (n,) [s].
         force_history: forces at those instants, (n, nj) [N].
         wings: number of wings, whose panels follow each other.
@@ -57,7 +57,7 @@ class Scene:
     in_contact: NDArray[np.bool_]
     normal_force: Array
     latched: NDArray[np.bool_]
-    motor_torque: float
+    motor_torques: tuple[float, ...]
     force_times: Array
     force_history: Array
     wings: int = 1
@@ -193,7 +193,7 @@ class Renderer:
             if not scene.latched[joint]:
                 canvas.disc(hinge, 3.5, CARD)
         canvas.write(28, 44, f"{scene.time:.2f} s", LARGE)
-        canvas.write(320, 43, f"motor {scene.motor_torque:+.3f} N m", anchor="ms")
+        canvas.write(320, 43, f"motor {', '.join(f'{torque:+.3f}' for torque in scene.motor_torques)} N m", anchor="ms")
         canvas.write(600, 43, f"{int(np.sum(scene.latched))} of {len(scene.panels)} latched", anchor="rs")
 
     def _draw_forces(self, canvas: Canvas, scene: Scene) -> None:

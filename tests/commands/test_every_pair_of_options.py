@@ -67,6 +67,28 @@ SLOW_COMMANDS = {
             "--jobs": ("1", "2"),
         },
     ),
+    "design": (
+        ["one.toml", "--quiet", "--points", "2"],
+        {
+            "--change": ("latch_damping", "hinge_damping=0,0.1", "spring_stiffness=0.1,0.2"),
+            "--keep": ("latch_time < 50", "peak_force < 1"),
+            "--least": ("latch_torque", "hub_excursion"),
+            "--runs": ("1",),
+            "--jobs": ("1", "2"),
+            "--seed": ("3",),
+            "--out": ("folder",),
+        },
+    ),
+    "compare": (
+        ["one.toml", "--quiet", "--points", "6", "--episodes", "1"],
+        {
+            "--model": ("rigid-ideal", "rigid-clearance"),
+            "--env-kwargs": ("torque_limit=0.3", "driven_joint=1", "observation=history", "action=torque"),
+            "--jobs": ("1", "2"),
+            "--seed": ("3",),
+            "--out": ("folder",),
+        },
+    ),
     "train": (
         ["--quiet", "--jobs", "1", "--timesteps", "64", "--eval-episodes", "1"],
         {

@@ -37,7 +37,7 @@ def make_scene(joints=2, opening=0.0, turn=0.0, **changes):
         in_contact=np.zeros(joints, dtype=bool),
         normal_force=np.zeros(joints),
         latched=np.zeros(joints, dtype=bool),
-        motor_torque=0.1,
+        motor_torques=(0.1,),
         force_times=np.linspace(0.0, 3.0, 50),
         force_history=np.full((50, joints), 0.5),
     )
@@ -88,7 +88,7 @@ def test_same_scene_gives_the_same_pixels_whatever_was_drawn_before(renderer):
     "change",
     [
         {"time": 3.5},
-        {"motor_torque": -0.1},
+        {"motor_torques": (-0.1,)},
         {"panels": make_scene(opening=0.4).panels},
         {"eccentricity": np.array([[0.0, 0.6], [0.0, 0.6]]) * CLEARANCE},
         {"clearance": np.array([CLEARANCE, 1.5 * CLEARANCE])},

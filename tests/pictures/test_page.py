@@ -36,7 +36,7 @@ def motion(name="array"):
         clearance=np.array([1e-4, 0.0]),
         force=np.outer(TIME, [10.0, 20.0]),
         latch_times=np.array([1.0, math.nan]),
-        torque=0.1 * TIME,
+        torque=0.1 * TIME[:, None],
     )
 
 

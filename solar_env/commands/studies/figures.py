@@ -1,10 +1,12 @@
 """`solar-env study figures`: pictures of a deployment, of where a fixed step fails, and of a design, for the pages."""
 
+import shutil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from solar_env.commands import design
 from solar_env.commands.study import Args
 from solar_env.environment.registration import DEPLOY
 from solar_env.support.files import writing
@@ -50,19 +52,9 @@ def draw_stability(path: Path) -> None:
 
 def draw_design(path: Path) -> None:
     """The latch torque of the default array over the damping of hinges and latches."""
-    from rich.console import Console
-
-    from solar_env.array import ArrayParameters, ParameterFile
-    from solar_env.studies.design import plot
-    from solar_env.studies.design.plan import DesignPlan, parse_condition
-    from solar_env.studies.design.points import Bench
-    from solar_env.studies.design.search import find_design
-
-    change = dict.fromkeys(("hinge_damping", "latch_damping"))
-    keep = (parse_condition("latch_time < 30"),)
-    plan = DesignPlan(ParameterFile(ArrayParameters(), {}), change, keep, "latch_torque", points=36)
     with TemporaryDirectory() as folder:
-        plot.draw_design(find_design(Bench(plan, Path(folder), -1, Console(stderr=True)), 0, True), path)
+        design.run_command(design.Args(keep=["latch_time < 30"], points=36, out=Path(folder)))
+        shutil.copy(Path(folder) / design.PICTURE, path)
 
 
 _OWN = PACKAGE / "pictures" / "figures"

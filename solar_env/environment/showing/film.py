@@ -62,7 +62,7 @@ class Film:
             in_contact=state.joints["in_contact"].astype(np.bool_),
             normal_force=loads[:, NORMAL].copy(),
             latched=state.joints["latched"].astype(np.bool_),
-            motor_torque=float(state.joints["motor_torque"][self._settings.task.driven_joints[0]]),
+            motor_torques=tuple(state.joints["motor_torque"][list(self._settings.task.driven_joints)].tolist()),
             force_times=np.array(self._times),
             force_history=np.array(self._peaks),
             wings=parameters.wings,

@@ -22,7 +22,7 @@ class Motion:
         clearance: (nj,) [m].
         force: (nt, nj) contact force [N].
         latch_times: (nj,) [s], nan if not latched.
-        torque: (nt,) of the motor [N m].
+        torque: (nt, motors) of the motors [N m].
     """
 
     name: str

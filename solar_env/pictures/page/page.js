@@ -58,7 +58,7 @@ class MotionView {
     pen.fillStyle = QUIET;
     pen.font = "20px sans-serif";
     pen.textAlign = "left";
-    if (m.torque.some((x) => x !== 0)) pen.fillText(`motor ${m.torque[k].toFixed(3)} N m`, 30, 28);
+    if (m.torque.flat().some((x) => x !== 0)) pen.fillText(`motor ${m.torque[k].map((x) => x.toFixed(3)).join(", ")} N m`, 30, 28);
     const shown = Math.min(m.panels.length, 3), radius = Math.min(100, 240 / shown);
     for (let j = 0; j < shown; j++) this.bearing(pen, j, k, t, 870, (560 * (j + 0.5)) / shown, radius);
   }

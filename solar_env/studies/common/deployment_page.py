@@ -65,7 +65,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
         clearance=clearance,
         force=trajectory.normal_force[kept],
         latch_times=trajectory.latch_times,
-        torque=trajectory.motor_torque[kept].sum(axis=1),
+        torque=_motors(trajectory)[kept],
     )
 
 
@@ -77,12 +77,18 @@ def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
     return main_body_corners(parameters, axes[0]), axes[1:]
 
 
+def _motors(trajectory: Trajectory) -> Array:
+    """(nt, motors) torques of the motors that have turned [N m]; of the root's, if none has."""
+    turned = np.flatnonzero(trajectory.motor_torque.any(axis=0))
+    return trajectory.motor_torque[:, turned if len(turned) else [0]]
+
+
 def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
     """The scenes of a film of a trajectory, every `interval` [s], with the peaks of the forces until then."""
     times = np.arange(0.0, trajectory.time[-1] + 0.5 * interval, interval)
     kept = np.minimum(np.searchsorted(trajectory.time, times - 1e-9), len(trajectory.time) - 1)
     body, panels = _lines(trajectory, kept)
-    peaks = peaks_between(trajectory, kept)
+    peaks, motors = peaks_between(trajectory, kept), _motors(trajectory)
     history = np.concatenate([np.zeros_like(peaks[:1]), peaks])
     return [
         Scene(
@@ -95,7 +101,7 @@ def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
             in_contact=trajectory.penetration[sample] > 0.0,
             normal_force=trajectory.normal_force[sample],
             latched=trajectory.latch_times <= times[k],
-            motor_torque=float(trajectory.motor_torque[sample].sum()),
+            motor_torques=tuple(motors[sample].tolist()),
             force_times=times[: k + 1],
             force_history=history[: k + 1],
             wings=trajectory.metadata["parameters"].get("wings", 1),

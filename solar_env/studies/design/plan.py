@@ -102,7 +102,7 @@ class Change:
 
 @dataclass(frozen=True)
 class DesignPlan:
-    """Question.
+    """Question of a design study.
 
     Attributes:
         array: Parameters, and what of them is drawn.

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from solar_env.array import build
 from solar_env.studies.common.motion import Level
 from solar_env.studies.design.plan import DesignPlan
 from solar_env.studies.loads.ensemble import LoadsPlan, run_member
@@ -18,8 +17,9 @@ from solar_env.support.campaigns import Campaign, Cell
 STORE = "design.jsonl"
 WINDOW = 10.0  # s, simulated after the last latching
 TOLERANCE = 0.1  # of a figure, within which a level answers
-# From the cheapest; those that do not take an array are passed over.
-CANDIDATES = ("rigid-clearance", "flexible-clearance:8 modes", "flexible-clearance", "flexible-clearance:4 elements")
+# From the cheapest; modes take no fittings.
+CANDIDATES = ("rigid-clearance", "flexible-clearance:8 modes", "flexible-clearance")
+WITH_FITTINGS = ("rigid-clearance", "flexible-clearance:4 elements")
 
 
 @dataclass(frozen=True)
@@ -43,50 +43,30 @@ class Point:
 
 
 class Bench:
-    """Measures designs, and keeps what it has measured in a folder.
-
-    Args:
-        plan: The question.
-        folder: Of the results, with which an interrupted study goes on.
-        workers: Number of processes.
-        console: Shows the progress.
-    """
+    """Measures designs on so many processes, and keeps the results in a folder, with which a study goes on."""
 
     def __init__(self, plan: DesignPlan, folder: Path, workers: int, console: Console) -> None:
         self.plan, self._store, self._workers, self._console = plan, folder / STORE, workers, console
         self._loads = LoadsPlan(plan.array, members=plan.members, window=WINDOW, deadline=plan.deadline)
-
-    @property
-    def finest(self) -> Level:
-        """The finest level."""
-        return self._loads.levels[1]
+        self.finest = self._loads.levels[1]
 
     def level(self) -> tuple[Level, str]:
         """Choose the cheapest level whose figures of the array as it is are right within TOLERANCE; say how right.
 
         Where the array as it is fails, the level of `loads` is taken.
         """
-        levels = [level for level in map(Level, CANDIDATES) if self._takes(level)]
+        levels = [*map(Level, WITH_FITTINGS if self.plan.array.parameters.panel_masses else CANDIDATES)]
         results = self.measured([(self.plan.today(), level, 0) for level in (*levels, self.finest)], "levels")
         reference = results.pop()
         if not np.isfinite(list(reference.figures.values())).all():
             return self._loads.levels[0], "the array as it is fails: the level is that of loads"
         for level, point in zip(levels, results, strict=True):
-            errors = {
-                name: abs(point.figures[name] - right) / max(abs(right), 1e-300)
-                for name, right in reference.figures.items()
-            }
-            worst = max(errors, key=lambda name: errors[name])
-            if errors[worst] <= TOLERANCE:
-                return level, f"on the array as it is {worst} is {100.0 * errors[worst]:.1g} % off the finest level's"
+            right = {name: figure for name, figure in reference.figures.items() if figure}
+            pairs = ((abs(point.figures[name] / figure - 1.0), name) for name, figure in right.items())
+            error, worst = max(pairs, default=(0.0, self.plan.least))
+            if error <= TOLERANCE:
+                return level, f"on the array as it is {worst} is {100.0 * error:.1g} % off the finest level's"
         return self.finest, f"no cheaper one is within {TOLERANCE:.0%} of it"
-
-    def _takes(self, level: Level) -> bool:
-        try:
-            build(self.plan.array.parameters, level.model)
-        except ValueError:
-            return False
-        return True
 
     def measured(self, asked: Sequence[tuple[Mapping[str, float], Level, int]], what: str = "") -> list[Point]:
         """Measure designs, each at a level with the members after a number of them; under a bar that says `what`."""

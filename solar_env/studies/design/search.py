@@ -23,10 +23,8 @@ class Design:
     """Answer of a study.
 
     Attributes:
-        level: At which designs were compared.
-        reason: Why that one.
-        today: The array as it is.
-        points: All designs tried.
+        level, reason: At which designs were compared, and why.
+        today, points: The array as it is, and all designs tried.
         best: The best of those that keep all conditions; None where none does.
         confirmed: The same design, by fresh members at the finest level; None where there is no best.
     """
@@ -114,15 +112,9 @@ def answer(design: Design) -> list[str]:
         )
         if confirmed.failing:
             lines.append(f"At the finest level this design fails ({confirmed.failing}): ask for more than you need.")
-        edges = [
-            change.label
-            for change in plan.changes
-            if change.share(best.values[change.name]) in (0.0, 1.0) and best is not design.today
-        ]
-        if edges:
-            lines.append(
-                f"It lies at the end of the range of {' and '.join(edges)}: a wider one may hold a better design."
-            )
+        shares = {change.label: change.share(best.values[change.name]) for change in plan.changes}
+        if edges := [label for label, share in shares.items() if share in (0.0, 1.0)]:
+            lines.append(f"It lies at the end of the range of {' and '.join(edges)}; a wider one may hold better ones.")
     failing = Counter(point.failing for point in design.points if point.failing)
     told = ", ".join(f"{reason}: {count}" for reason, count in failing.most_common())
     lines.append(f"{failing.total()} of {len(design.points)} designs fail{f' ({told})' if told else ''}.")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from stable_baselines3.common.utils import set_random_seed
 
-from agents.commands import tune as tune_module
+from agents.comparison.law_search import LawSearch
 from agents.environments import DEFAULT_ENV_ID, OF_LAWS, make_env
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
@@ -53,7 +53,7 @@ def test_the_points_of_a_search_do_not_depend_on_what_else_draws_random_numbers(
     ],
 )
 def test_what_would_end_a_tuning_is_refused_before_it_begins(monkeypatch, option, message):
-    monkeypatch.setattr(tune_module, "mean_returns", lambda *arguments: pytest.fail("simulates"))
+    monkeypatch.setattr(LawSearch, "_returns", lambda *arguments: pytest.fail("simulates"))
     with pytest.raises(ValueError, match=message):
         execute("tune", ["--controller", "damper", "--episodes", "6", "--quiet", option, "0"])
 
@@ -63,11 +63,11 @@ def judged(monkeypatch):
     """Points that get simulated, at no cost here: a damper is the better the nearer its damping is to 0.3."""
     candidates = []
 
-    def mean_returns(controller, parameters, env_id, env_kwargs, seeds, workers):
+    def returns(search, parameters, seeds):
         candidates.append((list(parameters), tuple(seeds)))
         return [-((p.damping - 0.3) ** 2) for p in parameters]
 
-    monkeypatch.setattr(tune_module, "mean_returns", mean_returns)
+    monkeypatch.setattr(LawSearch, "_returns", returns)
     return candidates
 
 

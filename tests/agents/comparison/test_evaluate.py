@@ -198,3 +198,20 @@ def test_a_run_without_policy_says_so(tmp_path):
     runs.write_json(tmp_path / runs.CONFIG, asdict(config))
     with pytest.raises(FileNotFoundError, match="has no policy; the run ended before its first validation"):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "fit"),
+    [
+        ({}, ["passive", "pd", "servo"]),
+        ({"parameters": {"panel_count": 1}}, ["passive", "pd"]),
+        ({"driven_joint": (0, 1)}, ["passive"]),
+    ],
+)
+def test_laws_fit_what_shows_them_what_they_read_and_the_springs_alone_fit_any_number_of_motors(keywords, fit):
+    keywords = {"model": "rigid-ideal", **keywords}
+    assert evaluation.fitting(["passive", "pd", "servo"], DEFAULT_ENV_ID, keywords) == fit
+    env = make_env(DEFAULT_ENV_ID, {**keywords, **OF_LAWS})
+    action, _ = make_baseline("passive", env).predict(env.reset(seed=0)[0])
+    assert action.shape == env.action_space.shape
+    assert not action.any()

@@ -71,12 +71,12 @@ def test_a_frame_is_drawn_from_the_state_the_loads_and_the_recorded_peaks(monkey
         assert np.all((scene.normal_force > 0.0) <= scene.in_contact)
         assert scene.normal_force.tolist() == loads[:, NORMAL].tolist()
         assert scene.latched.tolist() == [bool(time <= scene.time) for time in joints["latch_time"]]
-        assert scene.motor_torque == loads[0, MOTOR_TORQUE]
+        assert scene.motor_torques == (loads[0, MOTOR_TORQUE],)
         assert np.array_equal(scene.force_times, times)
         assert np.array_equal(scene.force_history, peaks)
         met.add((tuple(scene.latched), bool(scene.in_contact[0])))
     assert met == {
         (latched, touching) for latched in ((False, False), (False, True), (True, True)) for touching in (False, True)
     }
-    assert min(scene.motor_torque for scene in scenes) < 0.0 < max(scene.motor_torque for scene in scenes)
+    assert min(scene.motor_torques[0] for scene in scenes) < 0.0 < max(scene.motor_torques[0] for scene in scenes)
     assert np.max(peaks) > 10.0

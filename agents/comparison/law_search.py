@@ -1,0 +1,56 @@
+"""Search of a torque law's parameters by CMA-ES on the environment's return."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from agents.comparison.evaluation import run_cells
+from agents.environments import Keywords, episode_seeds
+from agents.learning import runs
+from agents.torque_laws import LawParameters
+from solar_env.support.minimisation import minimise
+
+
+@dataclass(frozen=True)
+class LawSearch:
+    """Law and environment of a search, its candidates, and the episodes that each of them is judged by.
+
+    Those of training are fresh in every generation; those of validation decide between the candidates left at the end.
+    """
+
+    law: str
+    env_id: str
+    env_kwargs: Keywords
+    points: int
+    episodes: int
+    validation_episodes: int
+    seed: int
+    workers: int
+    progress: bool
+
+    def run(self, start: LawParameters, spread: float = 0.25) -> tuple[list[LawParameters], list[float], int]:
+        """Search from parameters; return the start, the best and the last, their validation returns, the episodes."""
+        validation = episode_seeds("validation", self.seed, self.validation_episodes)
+        generations = simulated = 0
+
+        def at(points: Sequence[np.ndarray]) -> list[LawParameters]:
+            return [start.from_unit(np.clip(point, 0.0, 1.0)) for point in points]
+
+        def costs(points: Sequence[np.ndarray]) -> list[float]:
+            nonlocal generations, simulated
+            generations += 1
+            simulated += len(points) * self.episodes
+            seeds = episode_seeds("training", self.seed, generations * self.episodes)[-self.episodes :]
+            return [-value for value in self._returns(at(points), seeds)]
+
+        candidates = at(minimise(costs, start.to_unit(), self.points, self.seed, self.progress, spread))
+        return candidates, self._returns(candidates, validation), simulated
+
+    def _returns(self, candidates: Sequence[LawParameters], seeds: Sequence[int]) -> list[float]:
+        """Mean return of each candidate over the same episodes; of a failure -inf."""
+        shared = {"spec": self.law, "env_id": self.env_id, "env_kwargs": runs.jsonable(self.env_kwargs)}
+        cells = [{**shared, "parameters": asdict(each), "seed": seed} for each in candidates for seed in seeds]
+        returns = [figures.get("return", -math.inf) for figures in run_cells(cells, self.workers, progress=False)]
+        return np.reshape(returns, (len(candidates), len(seeds))).mean(axis=1).tolist()

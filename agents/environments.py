@@ -11,7 +11,7 @@ from solar_env.array import RELEASE_RATE
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
 
-NAMESPACE = "solar_env/"  # of the environment ids
+NAMESPACE = "solar_env/"  # beginning of the environment ids
 DEFAULT_ENV_ID = DEPLOY
 Keywords = dict[str, Any]
 
@@ -19,15 +19,15 @@ Keywords = dict[str, Any]
 # cheapest with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and
 # 380, 270 and 172 with 2, 4 and 6 beam elements.
 MODEL: Mapping[str, str] = {"model": "flexible-clearance"}
-# What learns from single steps needs more episodes than there is time for with flexible panels.
+# Algorithms that learn from single steps need more episodes than there is time for with flexible panels.
 RIGID: Mapping[str, str] = {"model": "rigid-clearance"}
 
 # The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
-# Episodes therefore differ in the rates at which the joints are released, as the members of all ensembles here. In the
-# place of a hinge by micrometres would not do: they would share their first seconds, and the errors of these.
+# Episodes therefore differ in the joints' release rates, as the members of all ensembles here. To move a hinge by
+# micrometres would not do: episodes would share their first seconds, and the errors of these seconds.
 SAMPLED = "initial_rate"
 
-# They say what is observed, what an action is and how long it holds: controllers differ in them.
+# Keywords of the observation, the action and the time for which it holds, in which controllers differ.
 INTERFACE = ("observation", "action", "control_period")
 OF_LAWS: Mapping[str, object] = {"observation": "drive", "action": "torque", "control_period": 0.1}
 
@@ -67,7 +67,7 @@ def with_interface(env_kwargs: Mapping[str, object], controller: str, interface:
     """Return `env_kwargs` with the interface of a controller.
 
     Raises:
-        ValueError: They name another interface.
+        ValueError: `env_kwargs` name another interface.
     """
     for name, value in interface.items():
         if env_kwargs.get(name, value) != value:
@@ -84,7 +84,7 @@ def environment_settings(
     """Check the keywords of an environment and return its settings, such as model and task, without making it.
 
     Raises:
-        ValueError: As `make_env`.
+        ValueError: As in `make_env`.
     """
 
     def settings(**keywords: object) -> EnvironmentSettings:
@@ -94,7 +94,7 @@ def environment_settings(
 
 
 def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None) -> gymnasium.Env:
-    """Make an environment by `gymnasium.make`; a refusal says what to do.
+    """Make an environment by `gymnasium.make`; the error of a refusal says what to do.
 
     Raises:
         ValueError: The id is not registered, or the environment refuses a keyword or its value.
@@ -108,7 +108,8 @@ def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, object
     try:
         return make(**dict(env_kwargs or {}))
     except (TypeError, ValueError, gymnasium.error.Error) as error:
-        raise ValueError(f"environment {env_id!r} refused its keywords {dict(env_kwargs or {})}: {error}") from error
+        names = ", ".join(env_kwargs or {})
+        raise ValueError(f"environment {env_id!r} refused one of its keywords ({names}): {error}") from error
 
 
 def _registered() -> list[str]:
@@ -116,7 +117,7 @@ def _registered() -> list[str]:
 
 
 def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
-    """List `count` environment seeds; those of two purposes, or of two values of `seed`, never coincide.
+    """List `count` environment seeds; two purposes, or two values of `seed`, never have a seed in common.
 
     Raises:
         ValueError: `seed` is outside 0 .. 99 999 or `count` outside 1 .. 10 000.

@@ -1,4 +1,4 @@
-"""The controller's interface, the signals it reads, the base classes of torque laws, and the opening as a quantity."""
+"""The controller's interface, the signals it reads, the base classes of torque laws, and the weighted opening."""
 
 import math
 from abc import ABC, abstractmethod
@@ -20,9 +20,9 @@ class Controller(Protocol):
 
     @property
     def predict(self) -> Callable[..., tuple[np.ndarray, Any]]:
-        """Map observations (n_obs,) or (n, n_obs), a state, the starts of episodes and whether to act without noise.
+        """Function of observations (n_obs,) or (n, n_obs), a state, episode starts and a flag to act without noise.
 
-        Returns actions (1,) or (n, 1) in [-1, 1], and the next state.
+        It returns actions (1,) or (n, 1) in [-1, 1], and the next state.
         """
 
 
@@ -37,7 +37,7 @@ class Signals:
         control_period: Time for which an action is held [s].
         settling_window: Unit of the observed time since the last latch [s].
         driven_joint: Index of the joint that the motor works on; 0 is the root hinge.
-        action: What an action is, see `solar_env.environment.task.task.Task`.
+        action: Meaning of an action, see `solar_env.environment.task.task.Task`.
         lock_angles: Angle at which each joint latches [rad].
     """
 
@@ -68,7 +68,7 @@ class Signals:
         return self.lock_angles[self.driven_joint]
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
-        """Refuse an environment whose observations or actions have another meaning than these, of `learned_on`.
+        """Refuse an environment whose observations or actions differ in meaning from these signals, of `learned_on`.
 
         Raises:
             ValueError: The entries of an observation, or the units or the period of actions or observations, differ.
@@ -83,7 +83,7 @@ class Signals:
 
 
 class DeterministicController(ABC):
-    """A controller without randomness; subclasses say how it acts."""
+    """A controller without randomness; subclasses define `act`."""
 
     @abstractmethod
     def act(self, observation: np.ndarray) -> np.ndarray:
@@ -96,20 +96,20 @@ class DeterministicController(ABC):
         episode_start: np.ndarray | None = None,
         deterministic: bool = True,
     ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
-        """Return the actions of `act`, and `state` as it is; the other arguments are those of `Controller`."""
+        """Return the actions of `act`, and `state` unchanged; the other arguments are as in `Controller`."""
         return self.act(observation), state
 
 
 class TorqueLaw(DeterministicController):
     """A memoryless torque law over named observation entries.
 
-    It `reads` entries by their names; "driven" in the place of a joint's number is the joint that the motor works on.
+    It `reads` entries by name; "driven" instead of a joint's number stands for the joint that the motor works on.
 
     Args:
         signals: Names and units of the environment.
 
     Raises:
-        ValueError: An entry that the law reads is not observed, or actions are no torques.
+        ValueError: An entry that the law reads is not observed, actions are not torques, or several hinges are driven.
     """
 
     reads: ClassVar[tuple[str, ...]] = ()
@@ -138,7 +138,7 @@ class TorqueLaw(DeterministicController):
 
     @abstractmethod
     def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
-        """Torque (n,) [N m] from named entries (n,); `all_latched` (n,) is true where every joint has latched."""
+        """Return the torque (n,) [N m] from named entries (n,); `all_latched` (n,) is true once all joints latched."""
 
     def act(self, observation: np.ndarray) -> np.ndarray:
         """Map observations (n_obs,) or (n, n_obs) to actions (motors,) or (n, motors), clipped to [-1, 1]."""
@@ -175,7 +175,7 @@ class LawParameters:
         return cls(*(tuple(next(numbers) for _ in d) if isinstance(d, tuple) else next(numbers) for d in defaults))
 
     def to_unit(self) -> np.ndarray:
-        """Return the numbers (numbers,) in [0, 1] that `from_unit` makes these parameters of."""
+        """Return the numbers (numbers,) in [0, 1] from which `from_unit` makes these parameters."""
         low, high = self.bounds().T
         return (np.concatenate([np.atleast_1d(value) for value in vars(self).values()]) - low) / (high - low)
 
@@ -184,7 +184,7 @@ class LawParameters:
         """Make parameters from values as JSON keeps them.
 
         Raises:
-            ValueError: The keys are not those of the law.
+            ValueError: The keys are not the law's.
         """
         expected = {f.name for f in fields(cls)}
         if set(values) != expected:
@@ -196,7 +196,7 @@ P = TypeVar("P", bound=LawParameters)
 
 
 class TunableLaw(TorqueLaw, Generic[P]):
-    """A torque law with parameters to tune, by default its untuned `defaults`; errors are those of `TorqueLaw`."""
+    """A torque law with parameters to tune, by default its untuned `defaults`; errors are as in `TorqueLaw`."""
 
     defaults: P
 
@@ -214,7 +214,7 @@ def weighted_opening(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the weighted opening of both joints in units of their lock angles, its rate and the difference of rates.
 
-    The rates, the second that of joint 1 minus that of joint 2, are in 1/s; all are (n,). Joint 1 has the other weight.
+    All are (n,), the rates in 1/s. The difference is joint 1 minus joint 2; joint 1 has the rest of the weight.
     """
     rate_1, rate_2 = (entries[f"rate_{i + 1}"] / lock_angles[i] for i in range(2))
     opening = entries["theta_1"] + joint_2_weight * (entries["theta_2"] - entries["theta_1"])

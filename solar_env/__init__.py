@@ -10,7 +10,7 @@ model that a question needs. `simulate` gives a `Trajectory`; `Simulation` advan
 environments, `Hardware` is their sensors and motors. Runs that cannot go on raise `SimulationError`, doubtful ones warn
 of `SimulationWarning`.
 
-.. include:: contributing.md
+.. include:: ../.github/CONTRIBUTING.md
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from solar_env.mechanics.running.simulation import Simulation as Simulation
     from solar_env.mechanics.running.trajectory import Trajectory as Trajectory
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _PUBLIC = (
     *("ArrayParameters", "GeneralizedAlpha", "Hardware", "MODELS", "ModalRadau", "Rosenbrock"),

@@ -17,7 +17,7 @@ PROG = "solar-env"
 
 
 def overview() -> str:
-    """All commands, a line each."""
+    """Return all commands, a line each."""
     lines = [f"usage: {PROG} COMMAND [OPTIONS]", f"       {PROG} COMMAND --help", f"       {PROG} --version", ""]
     lines += ["Deployment of a spacecraft's solar array: simulation, loads, and controllers.", ""]
     lines += [f"  {name:<12}{summary}" for name, summary in table.summaries(table.COMMANDS, "Args").items()]
@@ -25,7 +25,7 @@ def overview() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; returns the exit status.
+    """Run a command, and return its exit status.
 
     0: done; 1: a verification or map failed; 2: wrong input or a failed run; 130: interrupted by Ctrl-C.
     """
@@ -38,9 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if sys.stdout is not None:
             sys.stdout.flush()
         return status
-    except SystemExit as stop:  # of the parser
+    except SystemExit as stop:  # raised by the parser
         return int(stop.code or 0)
-    except BrokenPipeError:  # who reads the output has left, as `head` does
+    except BrokenPipeError:  # the reader of the output has closed it, as `head` does
         _drop_output()
         return 0
     except (ValueError, OSError, MemoryError, RuntimeError) as error:
@@ -66,7 +66,7 @@ def _answer(words: Sequence[str]) -> int:
 
 
 def _sentence(error: Exception) -> str:
-    """Text of an error; of one of the system without its number."""
+    """Return the text of an error; an error of the operating system loses its number."""
     if isinstance(error, MemoryError):
         return f"memory has no room for what was asked for ({str(error) or 'it is full'}); ask for less"
     if not isinstance(error, OSError) or error.strerror is None:
@@ -81,7 +81,7 @@ def _failed_run(error: RuntimeError) -> bool:
 
 
 def _drop_output() -> None:
-    """Let what is left of the output go nowhere: else Python tries once more at its end, and says so at length."""
+    """Send the rest of the output nowhere: otherwise Python writes it again on exit, and reports a long error."""
     try:
         if sys.stdout is not None:
             sys.stdout.flush()
@@ -90,11 +90,11 @@ def _drop_output() -> None:
 
 
 def execute(name: str, words: Sequence[str]) -> int:
-    """Run a command by its name and the words behind it; its exit status.
+    """Run a command, given its name and the words behind it, and return its exit status.
 
     Raises:
-        SystemExit: wrong input, of which a sentence is printed, or the help was asked for.
-        ValueError, OSError, SimulationError: what the command raises.
+        SystemExit: the input is wrong, which a printed sentence explains, or the help was asked for.
+        ValueError, OSError, SimulationError: raised by the command.
     """
     module = table.load(table.COMMANDS, name)
     from solar_env.commands.arguments import parse_arguments
@@ -104,5 +104,5 @@ def execute(name: str, words: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # a folder agents/ of the user's hides ours otherwise
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # otherwise a user's folder agents/ hides ours
     sys.exit(main())

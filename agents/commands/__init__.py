@@ -1,5 +1,5 @@
-"""Commands on controllers, thin, one module a command: `solar-env train`, `tune`, `evaluate`, `replay`, `export`.
+"""Thin commands on controllers, a module each: `solar-env train`, `tune`, `evaluate`, `compare`, `replay`, `export`.
 
-Imports all other rooms; none imports this one. A new command is a module with `Args` and `run_command` and a row in
+Imports all other rooms; no room imports this one. A new command is a module with `Args` and `run_command` and a row in
 pyproject.toml, see `solar_env.commands`. Rows of `solar-env study` are in `studies`.
 """

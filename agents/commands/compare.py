@@ -1,4 +1,4 @@
-"""Command that says what a controlled drive buys over a passive damper: `solar-env compare`."""
+"""Command that compares a controlled drive with a passive damper: `solar-env compare`."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -34,6 +34,8 @@ class Args(ArrayOption, ModelOptions, WorkerOptions, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
+    if args.points < 6:
+        raise ValueError(f"points = {args.points} must be at least 6, a generation of the search")
     array = args.parameter_file
     given = {"parameters": array.parameters.to_dict(), **args.keywords(RIGID)}
     drawn = {"randomize": dict(array.randomize)} if array.randomize else {}

@@ -27,8 +27,8 @@ CONTROLLERS = (
 class Args(ModelOptions, WorkerOptions, CommandRecord):
     """Compare controllers on the same evaluation episodes.
 
-    Environment keywords that are not given are those that the trained controllers have in common; without these, the
-    model is rigid-clearance.
+    Environment keywords that are not given come from the trained controllers, which must agree on them; without trained
+    controllers, the model is rigid-clearance.
     """
 
     controllers: Annotated[list[str], tyro.conf.arg(help=CONTROLLERS)] = field(

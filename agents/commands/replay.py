@@ -26,7 +26,7 @@ from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
-# Width of a frame [pixels], and times real time: a GIF in full size and time has tens of megabytes.
+# Width of a frame [pixels], and speed divided by real time: a GIF in full size at speed 1 has tens of megabytes.
 FILMS = {".mp4": (960, 1.0), ".gif": (640, 3.0)}
 
 
@@ -69,10 +69,10 @@ def run_command(args: Args) -> int:
 
 
 def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
-    """Name every controller, loaded, with its environment; all are checked first.
+    """Yield every controller's name, the loaded controller and its environment, after checking all controllers.
 
     Raises:
-        ValueError, OSError: There is no controller of a name, or its files cannot be loaded.
+        ValueError, OSError: A controller does not exist, or its files cannot be loaded.
     """
     asked = args.keywords(MODEL)
     interfaces = {controller: controller.interface() for controller in parse_controllers(args.controllers)}
@@ -83,7 +83,7 @@ def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
 
 
 def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
-    """The page of episodes by the names of their controllers, with the figures of `run_episode`."""
+    """Make the page of episodes, given by the names of their controllers, with the figures of `run_episode`."""
     landed = [name for name in episodes if figures[name]["latched"]]
     softest = min(landed, key=lambda name: figures[name]["peak_postlock_force_N"], default=None)
     lands = "none lands"

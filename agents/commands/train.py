@@ -25,7 +25,7 @@ TIMESTEPS = 100_000
 class Args(ModelOptions, WorkerOptions, CommandRecord):
     """Train a controller, and compare it with laws.
 
-    The algorithms are those of Stable-Baselines3 with their defaults, and a search over weights.
+    The algorithms are Stable-Baselines3's, with their defaults, and a search over weights.
     """
 
     algo: str = "ppo"
@@ -50,7 +50,7 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Train, compare, and leave a run folder: models, configuration, table and figure."""
-    episode_seeds("evaluation", 0, args.eval_episodes)  # refuses a number without any
+    episode_seeds("evaluation", 0, args.eval_episodes)  # refuses a number out of range
     args.workers  # noqa: B018 (checks them)
     if args.resume:
         given = {word.partition("=")[0].replace("_", "-") for word in args.command.split()}
@@ -79,7 +79,7 @@ def run_command(args: Args) -> int:
 
 
 def configuration(args: Args) -> runs.Configuration:
-    """The settings of the run; rollouts of PPO are as long in all as one environment's, or the run."""
+    """Make the settings of the run; PPO's rollouts have 2048 steps over all environments, or the run's if fewer."""
     if args.algo not in ALGORITHMS:
         raise ValueError(f"no algorithm {args.algo!r}; available: {', '.join(ALGORITHMS)}")
     timesteps = TIMESTEPS if args.timesteps is None else args.timesteps

@@ -1,4 +1,4 @@
-"""Controllers by name: rows of the table of laws, shipped policies, run folders, and models that were saved."""
+"""Controllers by name: rows of the table of laws, shipped policies, run folders, and saved models."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class NamedController:
             `model.save`; or one of these after `SEARCH_AROUND`.
 
     Raises:
-        FileNotFoundError: By the methods, where there is no such run or it has no policy.
+        FileNotFoundError: By the methods, where the run does not exist or has no policy.
         ValueError: By the methods, where a file is damaged, and by `load`, where the controller does not fit the
             environment.
     """
@@ -37,7 +37,7 @@ class NamedController:
 
     @property
     def base(self) -> str:
-        """Spec of the controller, or of the one that a search begins at."""
+        """Spec of the controller, or of the controller at which a search begins."""
         return self.spec.removeprefix(SEARCH_AROUND)
 
     @property
@@ -68,14 +68,14 @@ class NamedController:
         return RecedingHorizon(env, controller) if self.spec != self.base else controller
 
     def files(self) -> list[Path]:
-        """List the files that determine a trained controller; none for a law."""
+        """List the files that determine a trained controller; a law has no files."""
         if self.base in LAWS:
             return []
         files = [Path(self.base)] if self._is_model else [self.folder / runs.CONFIG, self.folder / runs.BEST]
         return [path for path in files if path.is_file()]
 
     def training(self) -> runs.Configuration | None:
-        """Read the record of the training; None for a law, and for a saved model, which has none."""
+        """Read the record of the training; None for a law or a saved model, which have no record."""
         if self.base in LAWS or self._is_model:
             return None
         if not (self.folder / runs.CONFIG).is_file():
@@ -86,7 +86,7 @@ class NamedController:
         return runs.read_config(self.folder)
 
     def interface(self) -> Keywords:
-        """Return the environment keywords, of the training or of laws, that say what is observed and done."""
+        """Return the environment keywords of observation, action and control period, of the training or of laws."""
         if self.base in LAWS:
             return dict(OF_LAWS)
         training = self.training()
@@ -97,10 +97,10 @@ class NamedController:
 def parse_controller(text: str) -> NamedController:
     """Read `NAME=SPEC`, or SPEC alone: a law or policy then names itself, a run folder has its last component as name.
 
-    A folder that exists is one, whatever characters are in its name.
+    An existing folder is read as a folder, whatever characters are in its name.
 
     Raises:
-        ValueError: A search is to begin at nothing, or at another search.
+        ValueError: A search has no controller to begin at, or would begin at another search.
     """
     name, separator, spec = text.partition("=")
     if not separator or Path(text).is_dir():
@@ -115,10 +115,10 @@ def parse_controller(text: str) -> NamedController:
 
 
 def parse_controllers(texts: Sequence[str]) -> list[NamedController]:
-    """Read controllers that are to be compared, see `parse_controller`; several runs may share a name that is given.
+    """Read the controllers to compare, see `parse_controller`; several runs may share a given name.
 
     Raises:
-        ValueError: One is given twice, or different controllers have a name in common that they have not been given.
+        ValueError: A controller is given twice, or different controllers share a name that was not given to them.
     """
     named = [parse_controller(text) for text in texts]
     pairs = [(controller.name, controller.resolved) for controller in named]

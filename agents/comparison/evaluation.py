@@ -1,4 +1,4 @@
-"""Evaluation of controllers on the same episodes, which are tasks for any process, and what to compare them on."""
+"""Evaluation of controllers on the same episodes, which any process can run, and the environment to compare them on."""
 
 import contextlib
 import hashlib
@@ -51,23 +51,23 @@ def evaluate(
             environment's model, see `agents.laws.baselines.load_parameters`.
         episodes: Episodes of each controller.
         seed: Chooses the block of evaluation seeds.
-        env_id, env_kwargs: Environment; without "randomize", that of `with_sampling`. Observation, action and control
-            period are those of each controller.
+        env_id, env_kwargs: Environment; without "randomize", `with_sampling` adds it. Each controller has its own
+            observation, action and control period.
         progress: Show a progress bar.
         workers: Processes to run the episodes on.
 
     Returns:
         One row per controller and episode: controller, spec, episode, and the figures of `run_episode`. An episode
-        whose simulation cannot go on under one of them is left out for all, with a warning.
+        whose simulation cannot go on under one controller is left out for all controllers, with a warning.
 
     Raises:
-        FileNotFoundError, ValueError: A controller does not exist, does not fit the environment, or goes by the name of
+        FileNotFoundError, ValueError: A controller does not exist, does not fit the environment, or has the name of
             another one; the environment refuses its keywords, or they name another interface than a controller's; or
             more than a tenth of the episodes failed.
     """
     seeds = episode_seeds("evaluation", seed, episodes)
     sampled = with_sampling(env_kwargs or {}, env_id)
-    # Their interfaces are read first: damaged files are refused before any work.
+    # Read the controllers' interfaces first, to refuse damaged files before any work.
     interfaces = {controller: controller.interface() for controller in parse_controllers(controllers)}
     keywords = {each: with_interface(sampled, each.name, interface) for each, interface in interfaces.items()}
     labels = [
@@ -99,7 +99,7 @@ def without_failed(rows: Sequence[Row]) -> list[Row]:
 
 
 def fitting(laws: Sequence[str], env_id: str, env_kwargs: Mapping[str, object]) -> list[str]:
-    """Choose the laws that fit an environment: they observe what they read, and drive one hinge."""
+    """Choose the laws that fit an environment: it has the observations that they read, and drives one hinge."""
     env, found = make_env(env_id, {**env_kwargs, **OF_LAWS}), []
     for law in laws:
         with contextlib.suppress(ValueError), warnings.catch_warnings():
@@ -122,7 +122,7 @@ def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[s
 
 
 def run_cell(cell: Cell) -> Row:
-    """Run the episode of a cell; returns its figures, see `run_episode`, or its seed with the reason of a failure."""
+    """Run the episode of a cell; return its figures, see `run_episode`, or its seed with the reason of a failure."""
     env, controller = _prepared(json.dumps({**cell, "seed": None}))
     try:
         return run_episode(env, controller, cell["seed"])
@@ -146,7 +146,7 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
 
 
 def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) -> list[Row]:
-    """Run cells on so many processes and return their figures, in their order; of cells that are alike one is run."""
+    """Run cells on `workers` processes, equal cells once, and return the figures in the order of the cells."""
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different, done = dict(zip(keys, cells, strict=True)), dict[str, Row]()
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
@@ -166,13 +166,13 @@ def _digest(paths: Sequence[Path]) -> str:
 def common_environment(
     controllers: Sequence[str], env_id: str | None = None, given: Collection[str] = ()
 ) -> tuple[str, Keywords]:
-    """Return the environment id and the keywords on which all trained ones among `controllers` agree.
+    """Return the environment id and keywords on which all trained controllers among `controllers` agree.
 
-    `env_id`, if not None, takes the place of the id; without either it is the nominal one. The ranges drawn in training
-    belong to it: in another scenario, or beside the keywords `given`, they are left out, and so are these keywords.
+    `env_id`, if not None, replaces their id; without either the id is the nominal one. Ranges drawn in training belong
+    to their environment: for another id, or beside keywords `given`, they are left out, and so are the keywords given.
 
     Raises:
-        ValueError: They differ; what to compare on must then be given.
+        ValueError: The environments differ; the user must then give the one to compare on.
     """
     found = {each: of for each in controllers if (of := parse_controller(each).training())}
     ids = {of.env_id for of in found.values()}

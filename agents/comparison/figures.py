@@ -23,8 +23,8 @@ OVER = ("environment steps", "seconds of a core")
 def comparison_figure(summary: Summary, path: Path) -> None:
     """Draw a comparison: interquartile mean, interval and worst episode of every controller.
 
-    Fewer than `FEWEST` episodes have no interval. A figure that is zero for all controllers, as wear where joints are
-    ideal, has no panel. `summary` is that of `agents.comparison.report.summarize`.
+    Fewer than `FEWEST` episodes have no interval. A figure that is zero for all controllers, such as wear with ideal
+    joints, has no panel. `summary` comes from `agents.comparison.report.summarize`.
     """
     panels = [("return", *TABLE["return"])]
     for key in ("peak_postlock_force_N", "sliding_work_J", "wear_depth_max_m"):
@@ -61,7 +61,7 @@ def comparison_figure(summary: Summary, path: Path) -> None:
 
 
 class Panel(NamedTuple):
-    """Learning curves of a scene: by algorithm, a curve of each seed, and returns by law."""
+    """Learning curves of a scene, by algorithm a curve for each seed, and returns by law."""
 
     curves: dict[str, list[Curve]]
     laws: dict[str, float]
@@ -69,9 +69,9 @@ class Panel(NamedTuple):
 
 @rc_context(STYLE)
 def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequence[str] = OVER) -> None:
-    """Draw validation returns by scene over the abscissas of curves: medians over training seeds, and their range.
+    """Draw validation returns by scene against the curves' abscissas: medians over training seeds, and their range.
 
-    Curves are drawn as far as those of all seeds go.
+    Curves are drawn up to the earliest end among the seeds.
     """
     size = max(4.2 * len(panels), 6.5), 1.0 + 2.75 * len(over)
     figure = Figure(figsize=size, layout="constrained")
@@ -88,7 +88,7 @@ def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequen
             for name, mean in panel.laws.items():
                 axes[row, column].axhline(mean, color=look_of(name, CONTROLLER_LOOKS)["color"], ls=":", label=name)
             axes[row, column].set(ylim=(-3.0, 1.2), xscale="log", xlabel=label, ylabel="return in validation")
-            axes[row, column].xaxis.set_minor_formatter(NullFormatter())  # they would overlap
+            axes[row, column].xaxis.set_minor_formatter(NullFormatter())  # minor labels would overlap
         few, many = (bound(map(len, panel.curves.values())) for bound in (min, max))
         seeds = f": {few} to {many} seeds" if few < many else f": {many} seeds" if many > 1 else ""
         axes[0, column].set_title(scene + seeds)
@@ -100,7 +100,7 @@ def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequen
 
 
 def _over_common(of_agent: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Abscissas of all runs up to the first end of one (n,), and the values at these, linear between (runs, n)."""
+    """Return the abscissas (n,) of all runs up to the earliest end, and the values (runs, n) there, interpolated."""
     at = np.unique(np.concatenate([run for run, _ in of_agent]))
     at = at[at <= min(run[-1] for run, _ in of_agent)]
     return at, np.array([np.interp(at, *run) for run in of_agent])

@@ -15,9 +15,9 @@ from solar_env.support.minimisation import minimise
 
 @dataclass(frozen=True)
 class LawSearch:
-    """Law and environment of a search, its candidates, and the episodes that each of them is judged by.
+    """Search of a law's parameters in an environment: number of candidates, and of episodes that judge each of them.
 
-    Those of training are fresh in every generation; those of validation decide between the candidates left at the end.
+    Training episodes are fresh in every generation. Validation episodes decide between the candidates left at the end.
     """
 
     law: str
@@ -31,7 +31,7 @@ class LawSearch:
     progress: bool
 
     def run(self, start: LawParameters, spread: float = 0.25) -> tuple[list[LawParameters], list[float], int]:
-        """Search from parameters; return the start, the best and the last, their validation returns, the episodes."""
+        """Search; return the start, the best and the final mean, their validation returns, and the episodes run."""
         validation = episode_seeds("validation", self.seed, self.validation_episodes)
         generations = simulated = 0
 
@@ -49,7 +49,7 @@ class LawSearch:
         return candidates, self._returns(candidates, validation), simulated
 
     def _returns(self, candidates: Sequence[LawParameters], seeds: Sequence[int]) -> list[float]:
-        """Mean return of each candidate over the same episodes; of a failure -inf."""
+        """Return the mean return of each candidate over the same episodes; -inf after a failure."""
         shared = {"spec": self.law, "env_id": self.env_id, "env_kwargs": runs.jsonable(self.env_kwargs)}
         cells = [{**shared, "parameters": asdict(each), "seed": seed} for each in candidates for seed in seeds]
         returns = [figures.get("return", -math.inf) for figures in run_cells(cells, self.workers, progress=False)]

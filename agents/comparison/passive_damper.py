@@ -1,4 +1,4 @@
-"""What a controlled drive buys over a passive damper: the best damper, tuned laws and a shipped policy on one array."""
+"""Gain of a controlled drive over a passive damper: the best damper, tuned laws, a shipped policy on one array."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -17,8 +17,8 @@ from solar_env.array import ModelLevel
 from solar_env.array.motorization import slowest_damper
 from solar_env.support.campaigns import Cell
 
-SPRINGS, DAMPER, DRIVE = "springs alone", "passive damper", "drive by"  # how the names of contestants begin
-_COARSE, _FINE = 12, 6  # dampers that are tried over two decades, and then between the neighbours of the best
+SPRINGS, DAMPER, DRIVE = "springs alone", "passive damper", "drive by"  # beginnings of the contestants' names
+_COARSE, _FINE = 12, 6  # numbers of dampers tried over two decades, and then between the neighbours of the best
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Contest:
     progress: bool
 
     def damped(self, damping: float) -> Keywords:
-        """Return the keywords of the array with a damper in every hinge [N m s/rad], for laws."""
+        """Return the environment keywords for laws, with a damper in every hinge [N m s/rad]."""
         return {**self.env_kwargs, **OF_LAWS, "parameters": {**self.env_kwargs["parameters"], "hinge_damping": damping}}
 
     def cells(self, spec: str, env_kwargs: Mapping[str, object], seeds: Sequence[int], **more: object) -> list[Cell]:
@@ -66,13 +66,15 @@ class Contest:
         return asdict(candidates[int(np.argmax(validated))])
 
     def rows(self, laws: Sequence[str], episodes: int) -> tuple[list[Row], Keywords]:
-        """Tune everything, and run it on the same evaluation episodes.
+        """Tune the damper and the laws, and run all contestants on the same evaluation episodes.
 
-        Returns rows for `agents.comparison.report`, and what was found: damping, parameters, and what does not fit.
+        Return rows for `agents.comparison.report`, and the findings: damping, parameters, and misfits in sentences.
         """
         seeds, driven = episode_seeds("evaluation", self.seed, episodes), {**self.env_kwargs, **OF_LAWS}
         damping = self.best_damper()
-        found: Keywords = {"hinge_damping": damping, "laws": {}, "unfit": []}
+        array = environment_settings(self.env_id, self.env_kwargs).array
+        found: Keywords = {"hinge_damping": damping, "laws": {}, "unfit": [], "hinges": array.joint_count}
+        found["model"] = self.env_kwargs["model"]
         contestants = {
             SPRINGS: self.cells("passive", driven, seeds),
             f"{DAMPER} of {damping:g} N m s/rad": self.cells("passive", self.damped(damping), seeds),
@@ -102,15 +104,16 @@ class Contest:
 
 
 def answer(summary: Summary, found: Mapping[str, Any], torque_limit: float) -> list[str]:
-    """State what the best drive buys over the best damper."""
+    """State the gain of the best drive over the best damper."""
     returns = {name: entry["return"].mean for name, entry in summary.items()}
     (damper,) = (name for name in returns if name.startswith(DAMPER))
     drive = max((name for name in returns if name.startswith(DRIVE)), key=lambda name: returns[name])
     better, worse = sorted((drive, damper), key=lambda name: -returns[name])
     force = {name: summary[name]["peak_postlock_force_N"].mean for name in returns}
     lines = [
-        f"The {better} does better than the {worse}: return {returns[better]:.2f} and {returns[worse]:.2f}, force "
-        f"after latching {force[better]:.3g} and {force[worse]:.3g} N; the springs alone have "
-        f"{returns[SPRINGS]:.2f} and {force[SPRINGS]:.3g} N. The drive has up to {torque_limit:g} N m."
+        f"On {found['model']} the {better} does better than the {worse}: return {returns[better]:.2f} and "
+        f"{returns[worse]:.2f}, force after latching {force[better]:.3g} and {force[worse]:.3g} N; the springs alone "
+        f"have {returns[SPRINGS]:.2f} and {force[SPRINGS]:.3g} N. The damper is in each of {found['hinges']} hinges; "
+        f"the drive turns the root alone, with up to {torque_limit:g} N m."
     ]
     return [*lines, *found["unfit"]]

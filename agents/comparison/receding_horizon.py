@@ -17,12 +17,12 @@ class SearchSettings:
 
     Attributes:
         knots: Number of values of the residual action, at equal distances from now to the deadline.
-        candidates: Number of rollouts of an iteration.
-        elites: Number of the best of them, to which the next iteration's distribution is fitted.
+        candidates: Number of rollouts in an iteration.
+        elites: Number of the best rollouts, to which the next iteration's distribution is fitted.
         iterations: Number of iterations of the cross-entropy method at every replanning.
         replan_after: Time from one replanning to the next [s], in whole control periods.
         initial_deviation: Standard deviation of the knots in the first iteration, in units of the action.
-        least_deviation: Bound below which it does not shrink.
+        least_deviation: Bound below which the deviation does not shrink.
     """
 
     knots: int = 8
@@ -35,22 +35,22 @@ class SearchSettings:
 
 
 class RecedingHorizon(DeterministicController):
-    """Actions found by search over rollouts of the simulator from its present state.
+    """Controller that finds its actions by search over rollouts of the simulator from its present state.
 
-    Its return can be reached by a controller with foresight; it is no upper bound of the return.
+    A controller with foresight can reach this controller's return, which is no upper bound of all returns.
 
-    Candidates are actions linear over time on top of those of a base, a law or a policy, to the end of the episode, for
-    the cost comes with latching and after it. They are searched by the cross-entropy method (R. Y. Rubinstein,
-    Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew after every `replan_after`,
-    around the last plan. The rollouts start from the exact state, with the true parameters, the true motor, and the
-    noise of the sensors that is to come.
+    A candidate adds a residual, linear between knots, to the actions of a base (a law or a policy), to the end of the
+    episode, because the cost comes with latching and after it. Candidates are searched by the cross-entropy method
+    (R. Y. Rubinstein, Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew after every
+    `replan_after`, around the last plan. The rollouts start from the exact state, with the true parameters, the true
+    motor, and the sensors' future noise.
 
-    The actions of the best rollout are applied: the simulator is deterministic, so that its return is reached. A plan
-    is replaced only by a better one: the predicted return never falls, and is never below that of the base.
+    The actions of the best rollout are applied: the simulator is deterministic, so that its return is reached. Only a
+    better plan replaces a plan: the predicted return never falls, and is never below the return of the base.
 
     Args:
-        env: Environment of this project, not a vector; `act` must be asked in every period of its episodes, and
-            the answers be taken as they are.
+        env: Environment of this project, not a vector; `act` must be called in every period of its episodes, and
+            its actions must be taken unchanged.
         base: Controller without a memory.
         settings: Settings of the search.
         seed: Seed of the search, used anew in every episode.
@@ -88,7 +88,7 @@ class RecedingHorizon(DeterministicController):
         return np.full((1,) * np.ndim(observation), self._actions[period - self._start])
 
     def _replan(self, done: int) -> None:
-        """Search from the present state, after so many periods of the plan, around the plan for a better one."""
+        """Search for a better plan around the present one, from the present state, `done` periods into the plan."""
         settings, task, now = self._settings, self._env.task, self._env.simulation.time
         knot_times = np.linspace(now, max(task.deadline, now + task.control_period), settings.knots)
         mean = np.interp(knot_times, self._knot_times, self._residual)
@@ -113,9 +113,9 @@ class RecedingHorizon(DeterministicController):
         self.predicted_returns.append(predicted)
 
     def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Actions, float32, and rewards (n, periods) from now to the end, under residuals (n, knots).
+        """Roll out residuals (n, knots); return actions, float32, and rewards (n, periods) from now to the end.
 
-        After the end of an episode that is shorter than others there are zeros.
+        Rows of episodes that are shorter than others end with zeros.
         """
         task, count = self._env.task, len(residuals)
         longest = task.deadline * (1.0 + task.overtime) + task.settling_window
@@ -127,7 +127,7 @@ class RecedingHorizon(DeterministicController):
             while lanes.size:
                 base, _ = self._base.predict(futures.observations)
                 actions[lanes, k] = np.clip(base[lanes, 0] + offsets[lanes, k], -1.0, 1.0)
-                # Rounded to float32, as the environment will get them.
+                # Actions are rounded to float32, as the environment will get them.
                 futures.step(lanes, actions[:, [k]].astype(np.float64))
                 rewards[lanes, k] = futures.rewards[lanes]
                 lanes = lanes[~futures.terminated[lanes]]

@@ -17,7 +17,7 @@ from solar_env.support.files import make_folder, write_text
 from solar_env.support.markdown import markdown_table
 from solar_env.support.versions import versions
 
-# Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
+# Figure -> (heading, factor to the heading's unit); the tables show these figures, the CSV file has all figures.
 TABLE: dict[str, tuple[str, float]] = {
     "return": ("return", 1.0),
     "v1_return": ("return at the prices of v1", 1.0),
@@ -27,19 +27,19 @@ TABLE: dict[str, tuple[str, float]] = {
     "wear_depth_max_m": ("largest wear depth [1e-15 m]", 1e15),
     "latch_times_s": ("last latch [s]", 1.0),
 }
-TABLES = "comparison.md"  # of an evaluation
+TABLES = "comparison.md"  # file with the tables of an evaluation
 HIGHER_IS_BETTER = frozenset({"return", "v1_return"})
 
 Row = dict[str, Any]
-Entry = dict[str, Any]  # of a controller: estimates, its number of runs, the share that latched
+Entry = dict[str, Any]  # entry of a controller: estimates, number of runs, share of latched episodes
 Summary = dict[str, Entry]
 
 
 def summarize(rows: Sequence[Row]) -> Summary:
     """Summarize by controller: latched fraction, an estimate of every figure of `TABLE`, comparison with `reference`.
 
-    The comparison consists of the difference of the return over episodes with the same seed, "above", and the
-    probability of a higher one, "better".
+    The comparison, over episodes with the same seed, has the difference of the returns, "above", and the probability
+    of a higher return, "better".
     """
     by_run: dict[str, dict[str, list[Row]]] = {}
     for row in sorted(rows, key=lambda row: row["episode"]):
@@ -56,7 +56,7 @@ def summarize(rows: Sequence[Row]) -> Summary:
 
 
 def _values(by_run: Mapping[str, Sequence[Row]], figure: str) -> list[np.ndarray]:
-    """Return a figure (episodes,) of every run."""
+    """Return the (episodes,) values of a figure for every run."""
     return [np.array([row[figure] for row in run]) for run in by_run.values()]
 
 
@@ -99,7 +99,7 @@ def _cell(value: Estimate, figure: str) -> str:
 
 
 def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
-    """Return a mean in a form, times a factor, and its interval where there are values enough for one."""
+    """Format a mean times a factor, with its interval where there are enough values for an interval."""
     text = form.format(value.mean * factor)
     if value.count < FEWEST:
         return text
@@ -107,7 +107,7 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
 
 
 def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, object]) -> tuple[Summary, str]:
-    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and table."""
+    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; return summary and table."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
     make_folder(folder)
     write_table(folder / "episodes.csv", [dict.fromkeys(columns, "") | row for row in rows], {})

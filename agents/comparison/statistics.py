@@ -31,18 +31,18 @@ def estimate(
 ) -> Estimate:
     """Estimate a mean of all episodes of all runs, by default the interquartile one, with its 95 % bootstrap interval.
 
-    Every run has the same episodes. A resample draws runs and, apart from that, episodes, both with replacement, and
+    Every run has the same episodes. A resample draws runs and, independently, episodes, both with replacement, and
     takes all drawn episodes of all drawn runs (A. B. Owen, The pigeonhole bootstrap, Ann. Appl. Stat. 1 (2007) 386-411,
-    doi:10.1214/07-AOAS122). So the interval covers the variation between training runs where there are several, and
-    that between episodes even where it is common to all runs. With few runs it is too narrow, as bootstraps are: of two
-    equal algorithms with five runs each, nine tenths of the intervals of their difference hold zero. NaN is left out;
-    without anything else, the estimate is NaN.
+    doi:10.1214/07-AOAS122). The interval therefore covers the variation between training runs, if there are several,
+    and the variation between episodes, even if it is common to all runs. With few runs the interval is too narrow, as
+    bootstrap intervals are: for two equal algorithms with five runs each, nine tenths of the intervals of their
+    difference hold zero. NaN values are left out; without other values the estimate is NaN.
 
     Args:
         runs: One array (episodes,) of figures for each training run; a baseline has one run. For comparisons,
             (references, episodes), with a row for each run of the reference, which are drawn like the runs.
         resamples: Number of bootstrap resamples.
-        mean: Reduces the last axis.
+        mean: Function that reduces the last axis.
 
     Raises:
         ValueError: The runs have different numbers of episodes.
@@ -77,7 +77,7 @@ def estimate(
 
 
 def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
-    """Estimate the difference from a reference on the same episode; every run meets every run of the reference.
+    """Estimate the difference from a reference on the same episode, of every run from every run of the reference.
 
     Figures (episodes,) are given for each training run, and for each run of the reference; errors are as in `estimate`.
     """
@@ -87,7 +87,7 @@ def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> 
 def improvement(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
     """Estimate the probability of doing better than a reference on the same episode; a tie counts half.
 
-    The paired form of what R. Agarwal et al. compare algorithms by (Deep Reinforcement Learning at the Edge of the
+    This is the paired form of the measure of R. Agarwal et al. (Deep Reinforcement Learning at the Edge of the
     Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264). The rest is as in `difference`; higher is better.
     """
     better = [0.5 * (1.0 + np.sign(mine - np.stack(references))) for mine in runs]

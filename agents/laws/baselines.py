@@ -20,17 +20,17 @@ FALLBACK_MODEL = "rigid-clearance"
 
 
 class UntunedWarning(UserWarning):
-    """A law acts with parameters that were tuned for another model, or another hinge."""
+    """Warning that a law acts with parameters that were tuned for another model, or another hinge."""
 
 
 def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
     """Read the tuned parameters of the law `name` for a model of `env_id` from `agents/configs/<name>.json`.
 
-    Parameters are tuned for one model and any number of elements. A model that has none gets those of
-    `FALLBACK_MODEL`, with a warning: they deploy the array, but are not the best that the law can do there.
+    Parameters are tuned for one model and any number of elements. A model without tuned parameters gets the ones of
+    `FALLBACK_MODEL`, with a warning: they deploy the array, but are not the law's best for that model.
 
     Raises:
-        ValueError: The file has no entry for `env_id` that would do, or its keys are not those of the law.
+        ValueError: The file has no usable entry for `env_id`, or the entry's keys are not the law's.
     """
     entry, source = _entry(name, env_id, model)
     if source != model:
@@ -46,7 +46,7 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
 
 
 def store_parameters(name: str, env_id: str, model: str, entry: Mapping[str, object]) -> Path:
-    """Write what tuning has found to the law's file, in place of the entry for the same environment id and model."""
+    """Write tuning's result to the law's file; it replaces the entry for the same environment id and model."""
     entries, path = _entries(name), CONFIGS / f"{name}.json"
     entries.setdefault(env_id, {})[model] = entry
     write_text(path, json.dumps(entries, indent=2, allow_nan=False) + "\n")
@@ -59,13 +59,13 @@ def tuning_of(name: str, env_id: str, model: str) -> dict[str, Any]:
 
 
 def _entries(name: str) -> dict[str, Any]:
-    """Environment id -> model -> entry of the law's file."""
+    """Read the law's file: environment id -> model -> entry."""
     path = CONFIGS / f"{name}.json"
     return read_json(path) if path.exists() else {}
 
 
 def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
-    """Entry of the law's file that a model gets, and the model that it was tuned for."""
+    """Return the entry of the law's file that a model gets, and the model that it was tuned for."""
     entries, (stem, _, _) = _entries(name), env_id.rpartition("-")
     by_model = entries.get(env_id) or entries.get(f"{stem}-v1", {})
     source = model if model in by_model else FALLBACK_MODEL
@@ -78,13 +78,13 @@ def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
 
 
 def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | None = None) -> Controller:
-    """Make the controller `name` for `env`; those of `TUNABLE` take `parameters`.
+    """Make the controller `name` for `env`; laws of `TUNABLE` take `parameters`.
 
-    By default these are the ones tuned for the environment's model or, with a warning, those for the rigid
-    array with clearance where that model has none; see `load_parameters`.
+    By default the parameters are the ones tuned for the environment's model. A model without tuned parameters gets,
+    with a warning, the parameters for the rigid array with clearance; see `load_parameters`.
 
     Raises:
-        ValueError: The name is not in `LAWS`, or there are no tuned parameters for the environment.
+        ValueError: The name is not in `LAWS`, or the environment has no tuned parameters.
     """
     if name not in LAWS:
         raise ValueError(f"no baseline {name!r}; available: {', '.join(LAWS)}")

@@ -1,4 +1,4 @@
-"""Feedback that makes the opening follow a velocity profile, alone or after a torque over time."""
+"""Feedback that makes the opening follow a velocity profile, alone or after a given history of the torque."""
 
 from dataclasses import dataclass
 
@@ -25,11 +25,11 @@ class ServoParameters(LawParameters):
         difference_damping: Torque on joint 1 against the opening-rate difference of the joints, which the
             cable loop makes oscillate [N m s].
         settling_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
-        settling_stiffness: Torque from then on per angle of the driven joint off its lock angle [N m/rad]: a latched
-            joint still has play, which the array would swing across.
+        settling_stiffness: Torque after the last latch per angle of the driven joint off its lock angle [N m/rad]: a
+            latched joint still has play, and the array would swing across it.
         smoothing: Share of the motor torque that is kept from one control period to the next: a low-pass filter. The
-            rates shake with the panels and the journals, and a motor that has held the springs back until the last
-            latch and lets go at once has them throw the array across the play.
+            rates shake with the panels and the journals. If the motor held the springs back until the last latch and
+            let go at once, the springs would throw the array across the play.
     """
 
     cruise_rate: float = bounded(0.08, 0.05, 0.2)
@@ -46,8 +46,8 @@ class ServoParameters(LawParameters):
 class VelocityProfileServo(TunableLaw[ServoParameters]):
     """Feedback that makes the opening follow a velocity profile which slows down towards latching.
 
-    The profile is the one of constant deceleration, `min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))` over
-    the opening `s`, but never slower than reaching the lock angle `RESERVE` ahead of the deadline takes.
+    The profile has constant deceleration, `min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))` at the opening `s`,
+    but is never too slow to reach the lock angle `RESERVE` ahead of the deadline.
     Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile for joint 1 alone does not lower
     the impact, so `s` weighs both. The torque is zero on the profile, and low-pass filtered.
     """
@@ -94,10 +94,10 @@ class SoftStartParameters(ServoParameters):
 
 
 class SoftStartServo(VelocityProfileServo):
-    """A servo that lands the array, after a torque over time that starts it gently.
+    """A servo that lands the array, after a history of the torque that starts it gently.
 
     The servo alone accelerates the array at once, to have time for the landing, and nearly all wear of a soft
-    deployment comes from that start. The last latch ends the torque over time.
+    deployment comes from that start. The last latch ends the history of the torque.
     """
 
     parameters: SoftStartParameters

@@ -1,4 +1,4 @@
-"""Run folders: what a training is asked for and what it leaves. Reading a run folder executes nothing."""
+"""Run folders: settings and results of trainings. Reading a run folder executes no code from it."""
 
 import json
 import re
@@ -19,16 +19,16 @@ from solar_env.support.plain_arrays import read_arrays, read_json
 from solar_env.support.values import check_types
 
 SHIPPED = Path(__file__).parents[1] / "policies"  # folders of the policies that come with the package
-LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions a run depends on, beside those of all
+LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # libraries a run depends on, beside the simulator's
 CONFIG = "config.json"
-BEST, LAST = "best_model.zip", "last_model.zip"  # of Stable-Baselines3: best in validation, and of the last validation
-EVALUATIONS = "evaluations.npz"  # of Stable-Baselines3's EvalCallback
-HISTORY = ("timesteps", "results", "ep_lengths")  # its arrays
+BEST, LAST = "best_model.zip", "last_model.zip"  # Stable-Baselines3's models: the best and the last in validation
+EVALUATIONS = "evaluations.npz"  # file of Stable-Baselines3's EvalCallback
+HISTORY = ("timesteps", "results", "ep_lengths")  # arrays in EVALUATIONS
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """Complete settings of a training run, from which it follows.
+    """Complete settings of a training run, which determine it.
 
     Attributes:
         algo: Name of the algorithm, one of `agents.learning.training.ALGORITHMS`.
@@ -37,7 +37,7 @@ class Configuration:
         seed: Run seed; networks, exploration and episodes follow from it.
         n_envs: Environments stepped together.
         timesteps: Environment steps to train for.
-        hyperparameters: Keywords of the algorithm's class in place of its defaults.
+        hyperparameters: Keywords of the algorithm's class that replace its defaults.
         command: Command line that began the run.
         versions: Versions of the packages.
 
@@ -63,11 +63,11 @@ class Configuration:
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} is {getattr(self, name)}; give a positive number")
         object.__setattr__(self, "env_kwargs", jsonable(with_sampling(self.env_kwargs, self.env_id)))
-        episode_seeds("training", self.seed, self.n_envs)  # refuses a seed without any
+        episode_seeds("training", self.seed, self.n_envs)  # refuses a seed out of range
 
 
 def new_run_folder(out: str | Path | None, config: Configuration) -> Path:
-    """Return the folder of a new run: `out`, or `runs/<id>__<algo>__<seed>__<timestamp>` where it is None.
+    """Return the folder of a new run: `out`, or `runs/<id>__<algo>__<seed>__<timestamp>` if `out` is None.
 
     Raises:
         FileExistsError: The folder holds a run already.
@@ -110,7 +110,7 @@ def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
 
     Raises:
         OSError: The file cannot be read.
-        ValueError: It is not whole, or no such history.
+        ValueError: The file is not whole, or holds no such history.
     """
     path = folder / EVALUATIONS
     try:
@@ -133,7 +133,7 @@ def folder_of(name: str | Path) -> Path:
 
 
 def best_policy(name: str | Path) -> PolicyNetwork:
-    """Read the best policy of a run, by its folder, one of this package, by its name, or a saved model (.zip).
+    """Read the best policy of a run folder, a policy of this package by its name, or a saved model (.zip).
 
     Raises:
         FileNotFoundError: There is no run, or it was interrupted before its first validation.
@@ -148,10 +148,10 @@ def best_policy(name: str | Path) -> PolicyNetwork:
 
 
 def check(config: Configuration, env: gymnasium.Env) -> None:
-    """Refuse an environment whose observations or actions have another meaning than those of a training.
+    """Refuse an environment whose observations or actions have another meaning than in a training.
 
     Raises:
-        ValueError: As `Signals.check`.
+        ValueError: As in `Signals.check`.
     """
     trained = Signals.of(environment_settings(config.env_id, config.env_kwargs))
     trained.check(env, f"{config.env_id} with {config.env_kwargs}")

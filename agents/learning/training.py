@@ -26,32 +26,32 @@ VALIDATIONS, EPISODES = 15, 8
 
 
 class Keep(BaseCallback):
-    """Writes the model to a file whenever another callback calls this one."""
+    """Callback that writes the model to a file whenever another callback calls it."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
         self._path = path
 
     def _on_step(self) -> bool:
-        file = io.BytesIO()  # written to memory first: the model is there whole or not at all
+        file = io.BytesIO()  # save to memory first, so that the file is never incomplete
         self.model.save(file)
         write_bytes(self._path, file.getvalue())
         return True
 
 
 def make_model(config: runs.Configuration, env: VecEnv, **keywords: Any) -> BaseAlgorithm:
-    """A fresh model; a ValueError says where the algorithm refuses its hyperparameters."""
+    """Make a fresh model; a ValueError says why the algorithm refuses its hyperparameters."""
     seed = episode_seeds("training", config.seed, 1)[0]
     try:
         given = {"seed": seed, "device": "cpu", **keywords, **config.hyperparameters}
         return ALGORITHMS[config.algo]("MlpPolicy", env, **given)
-    except Exception as error:  # of values that nobody has thought of the libraries may raise anything
+    except Exception as error:  # the libraries may raise anything for unexpected values
         reason = " ".join(str(error).split())[:300] or type(error).__name__
         raise ValueError(f"{config.algo} refuses {config.hyperparameters} ({reason}); change --hyperparams") from error
 
 
 def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bool = True) -> None:
-    """Train to a number of steps in all, from the last validation of the folder where there is one.
+    """Train up to `timesteps` steps in all, going on from the last validation in the folder, if any.
 
     The folder is made once the algorithm has taken its hyperparameters.
     """
@@ -72,7 +72,7 @@ def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bo
 
 
 def go_on(model: BaseAlgorithm, validation: EvalCallback, folder: Path) -> int:
-    """Take over what a run's last validation has left; return the steps until then. A replay buffer begins anew."""
+    """Restore model and history of a run's last validation; return its steps. A replay buffer begins anew."""
     model.set_parameters(str(folder / runs.LAST), device="cpu")
     with zipfile.ZipFile(folder / runs.LAST) as file:
         model.num_timesteps = json.loads(file.read("data"))["num_timesteps"]

@@ -1,7 +1,7 @@
 """Search over the weights of a policy by whole episodes: CMA-ES with the interface of Stable-Baselines3.
 
-Noise on the weights tries one behaviour for a whole deployment. Candidates are compared by the returns of their
-episodes alone, so that the delay between a landing and its cost does not stand in the way of a gradient.
+Noise on the weights tries one behaviour for a whole deployment. Candidates are compared by the returns of whole
+episodes, so that no gradient must bridge the delay between a landing and its cost.
 """
 
 import math
@@ -19,32 +19,32 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from agents.policies.saved_models import read_model
 
-BETWEEN, FINALISTS = 10, 2  # generations from one round to the next, candidates that have one beside the mean
+BETWEEN, FINALISTS = 10, 2  # generations from one round to the next, candidates that have a round beside the mean
 ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
 
 
 class CMAES(ARS):
     """CMA-ES over the weights (N. Hansen, 2016, arXiv:1604.00772), whose policy is the best candidate so far.
 
-    The policy is a hyperbolic tangent of a linear function, or that of `start`, of which the last layer alone is
+    The policy is a hyperbolic tangent of a linear function, or the policy of `start`, of which only the last layer is
     searched. The mean of the distribution wanders over a rough landscape, and a single episode flatters. Every few
-    generations the best candidates since the last time and the mean therefore have a round each, an episode in every
-    environment, the same ones every time, and the policy is the best of all that have had one.
+    generations the mean and the best candidates since the last time therefore have a round each: an episode in every
+    environment, the same episodes every time. The policy is the best of all candidates that have had a round.
 
     Args:
         policy, env: See `stable_baselines3.common.base_class.BaseAlgorithm`. Candidates are compared on the same
-            episodes, one for each time that there are as many environments as candidates.
+            episodes; their number is the number of environments divided by `population`, at least one.
         population: Candidates of a generation.
-        deviation: Standard deviation of every weight in the first generation; 0.3, or 0.05 around a `start`.
+        deviation: Standard deviation of every weight in the first generation; by default 0.3, or 0.05 with `start`.
         start: Model of Stable-Baselines3 (.zip) to begin with.
-        policy_kwargs: Of the policy.
+        policy_kwargs: Keywords of the policy.
         keywords: See `sb3_contrib.ARS`.
 
     Raises:
-        FileNotFoundError, ValueError: There is no model `start`, or it is none for this environment.
+        FileNotFoundError, ValueError: The model `start` does not exist, or does not fit this environment.
     """
 
-    env: Any  # which is None in the base class before there is one
+    env: Any  # None in the base class before an environment is set
 
     def __init__(
         self,
@@ -74,7 +74,7 @@ class CMAES(ARS):
                 raise ValueError(f"start has {begin.size} weights, a policy of this environment {self.n_params}")
             self.policy.load_from_vector(begin)
             self.searched = sum(part.size for part in self._start.layers[-1])
-        self.search: Any = None  # begins at the weights that the policy then has
+        self.search: Any = None  # the search begins later, at the weights that the policy then has
         self.seen: list[tuple[float, np.ndarray]] = []
         self.best_return = -math.inf
 
@@ -84,7 +84,7 @@ class CMAES(ARS):
     def _begin(self) -> None:
         """Begin a search around the weights of the policy."""
         self.weights: Any = torch.nn.utils.parameters_to_vector(self.policy.parameters()).detach()
-        # Left to itself pycma draws from NumPy's global generator.
+        # By default pycma draws from NumPy's global generator.
         options: dict[str, object] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
         options["randn"] = np.random.RandomState(self.seed).randn
         mean = self.weights.numpy()[-self.searched :].astype(float)
@@ -95,7 +95,7 @@ class CMAES(ARS):
         if self.search is None:
             self._begin()
         asked, env = self.search.ask(), self.env
-        episodes = max(env.num_envs // self.population, 1)  # of each candidate, the same for all
+        episodes = max(env.num_envs // self.population, 1)  # episodes of each candidate, the same for all
         first = (self.seed or 0) + env.num_envs + self._n_updates * episodes
         tries = [(searched, first + episode) for searched in asked for episode in range(episodes)]
         returns = self._returns(tries, callback).reshape(-1, episodes).mean(axis=1)
@@ -111,7 +111,7 @@ class CMAES(ARS):
         callback.on_rollout_end()
 
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
-        """Let weights have a round; they become the policy's if none did better in theirs."""
+        """Judge weights by a round; they become the policy's if no earlier ones had as high a mean return."""
         first = self.seed or 0
         tries = [(searched, first + episode) for episode in range(self.env.num_envs)]
         mean_return = float(self._returns(tries, callback).mean())
@@ -121,11 +121,11 @@ class CMAES(ARS):
             self.policy.load_from_vector(self.weights.numpy())
 
     def _whole(self, searched: np.ndarray) -> np.ndarray:
-        """All weights (n_params,) of a candidate, of which (searched,) are its own."""
+        """Return all weights (n_params,) of a candidate, the last of which are its own (searched,)."""
         return np.concatenate([self.weights.numpy()[: -self.searched], searched]).astype(np.float32)
 
     def _returns(self, tries: Sequence[tuple[np.ndarray, int]], callback: BaseCallback) -> np.ndarray:
-        """Returns (tries,) of an episode of each candidate with a seed, as many at once as there are environments."""
+        """Run an episode of each (candidate, seed), one per environment at a time, and return the returns (tries,)."""
         count = self.env.num_envs
         parts = [tries[first : first + count] for first in range(0, len(tries), count)]
         return np.concatenate([self._round(part, callback) for part in parts])
@@ -144,7 +144,7 @@ class CMAES(ARS):
             observations, rewards, dones, _ = env.step(actions)
             returns += np.where(running, rewards, 0.0)
             self.num_timesteps += int(running.sum())
-            self.policy.load_from_vector(self.weights.numpy())  # the one that callbacks validate and save
+            self.policy.load_from_vector(self.weights.numpy())  # weights that callbacks validate and save
             callback.on_step()
             running &= ~dones
         return returns[: len(tries)]

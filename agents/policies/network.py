@@ -21,19 +21,19 @@ class Layer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PolicyNetwork(DeterministicController):
-    """The deterministic action of a policy as plain arrays in single precision.
+    """The network of a policy's deterministic action, as plain arrays in single precision.
 
-    An action is the same, to the last bit, alone and among others.
+    An observation gives the same action, to the last bit, alone and in a batch.
 
     Attributes:
         layers: Layers from the observation to the mean of the action.
         activation: Function between the layers: relu or tanh.
         output: Function that maps the mean to an action in [-1, 1]: clip or tanh.
-        mean_limit: Bound to which the mean is clipped before that; None: no bound.
+        mean_limit: Bound to which the mean is clipped before `output`; None: no bound.
 
     Raises:
-        ValueError: On construction; a layer does not fit the one before it, holds something else than finite numbers
-            of single precision, or a name is unknown. The message names the layer and the value.
+        ValueError: On construction; a layer does not fit the layer before it, or holds values other than finite
+            numbers of single precision, or a name is unknown. The message names the layer and the value.
     """
 
     layers: tuple[Layer, ...]
@@ -91,11 +91,11 @@ class PolicyNetwork(DeterministicController):
             )
         if values.ndim == 1:
             return self._action(values)
-        # One by one: a product of matrices may add in another order than one of a matrix and a vector.
+        # One by one: a product of two matrices may add in another order than a product of a matrix and a vector.
         return np.array([self._action(row) for row in values]).reshape(len(values), self.outputs)
 
     def _action(self, observation: np.ndarray) -> np.ndarray:
-        """Action (outputs,) of an observation (inputs,)."""
+        """Return the action (outputs,) of an observation (inputs,)."""
         values = observation
         for layer in self.layers[:-1]:
             values = layer.weights @ values + layer.biases

@@ -6,7 +6,7 @@ from onnx import ModelProto, NodeProto, TensorProto, checker, helper, numpy_help
 from agents.policies.network import PolicyNetwork
 
 OPSET = 17
-IR_VERSION = 8  # the one that came with the opset, so that runtimes as old as the opset read the file
+IR_VERSION = 8  # version that came with the opset, so that runtimes as old as the opset read the file
 ONNX_OPERATORS = {"relu": "Relu", "tanh": "Tanh"}
 
 

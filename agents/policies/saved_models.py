@@ -1,4 +1,4 @@
-"""Models that Stable-Baselines3 has saved, as plain arrays: nothing of a file is unpickled."""
+"""Models that Stable-Baselines3 has saved, read as plain arrays without unpickling any part of a file."""
 
 import io
 import json
@@ -18,8 +18,8 @@ class Architecture(NamedTuple):
     """A policy of Stable-Baselines3 with fully connected layers.
 
     Attributes:
-        parts: What the names of its layers' parameters begin with, from the observation to the action's mean.
-        activation: Between the layers, unless `policy_kwargs` say otherwise.
+        parts: Beginnings of the names of the layers' parameters, from the observation to the action's mean.
+        activation: Function between the layers, unless `policy_kwargs` say otherwise.
         output: Function from the mean to the action.
     """
 
@@ -28,14 +28,14 @@ class Architecture(NamedTuple):
     output: str
 
 
-# The first whose parts are all there is a file's.
+# A file has the first architecture whose parts are all in the file.
 ARCHITECTURES = {
     "PPO, A2C, TRPO": Architecture(("mlp_extractor.policy_net", "action_net"), "tanh", "clip"),
     "SAC, TQC": Architecture(("actor.latent_pi", "actor.mu"), "relu", "tanh"),
     "TD3, DDPG": Architecture(("actor.mu",), "relu", "tanh"),
     "ARS and the searches": Architecture(("action_net",), "relu", "tanh"),
 }
-# Of what is no part of a deterministic action.
+# Beginnings of the names of parameters without effect on a deterministic action.
 _OTHERS = ("critic", "actor_target", "mlp_extractor.value_net", "value_net", "log_std", "actor.log_std")
 
 
@@ -43,8 +43,8 @@ def read_model(path: str | Path) -> PolicyNetwork:
     """Read the deterministic action of a model that `model.save` has written.
 
     Raises:
-        FileNotFoundError: There is no such file.
-        ValueError: It is no such file, is damaged, or its policy has other layers than `ARCHITECTURES`.
+        FileNotFoundError: The file does not exist.
+        ValueError: The file is not a saved model, is damaged, or its policy has other layers than `ARCHITECTURES`.
     """
     path = Path(path)
     if not path.is_file():
@@ -56,13 +56,13 @@ def read_model(path: str | Path) -> PolicyNetwork:
             settings, stored = json.loads(file.read("data")), io.BytesIO(file.read("policy.pth"))
         parameters = torch.load(stored, map_location="cpu", weights_only=True)
         return _network({name: value.numpy() for name, value in parameters.items()}, settings)
-    except Exception as error:  # whatever zipfile, json and torch make of bytes that are no model
+    except Exception as error:  # zipfile, json and torch may raise anything for bytes that are no model
         reason = " ".join(str(error).split())[:300] or type(error).__name__
         raise ValueError(f"{path} is no model of Stable-Baselines3 that can be read ({reason})") from error
 
 
 def _network(parameters: dict[str, np.ndarray], settings: dict[str, Any]) -> PolicyNetwork:
-    """Make the network of a policy's parameters; `settings` are those of the model."""
+    """Make the network from a policy's parameters and the model's `settings`."""
     acting = {name: value for name, value in parameters.items() if not name.startswith(_OTHERS)}
     stems = list(dict.fromkeys(name.rpartition(".")[0] for name in acting))
     for architecture in ARCHITECTURES.values():
@@ -91,6 +91,6 @@ def _layer(parameters: dict[str, np.ndarray], stem: str) -> Layer:
 
 
 def _activation(policy_kwargs: dict[str, Any], usual: str) -> str:
-    """The function between the layers; a file tells the class of another one in words."""
+    """Return the name of the function between the layers: the usual one, unless a file names another class."""
     told = str(policy_kwargs.get("activation_fn", usual)).rpartition(".")[2].lower()
     return told.strip("'>")

@@ -16,19 +16,19 @@ from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, 
 
 
 def _turning(spin: float, arm: Point) -> Point:
-    """Velocity of the end of an arm that turns about its other end."""
+    """Return the velocity of the end of an arm that turns about its other end."""
     return (-spin * arm[1], spin * arm[0])
 
 
 def _outward(row: JointRow) -> float:
-    """Direction of a panel in line with what bears it, in whose frame [rad]: the body of a mirrored wing looks away."""
+    """Return the angle [rad] from the inboard body to a panel in line with it: pi at a mirrored wing's root, else 0."""
     return math.pi if row.side < 0 and row.inboard == MAIN_BODY else 0.0
 
 
 def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mechanism:
-    """Describe the array at rest with every joint at its lock angle, where a linear spring as stiff as the latch holds.
+    """Describe the array at rest with every joint at its lock angle, held by a linear spring as stiff as the latch.
 
-    Joints are ideal, without play and friction: what is asked of it are vibrations of small amplitude.
+    Joints are ideal, without play and friction, because the mechanism serves for vibrations of small amplitude.
     """
     p = parameters.with_changes({"initial_spin": 0.0, "initial_rate": 0.0, "gravity": 0.0})
     opened = _build(p, ModelLevel.of(model), [row.lock_angle for row in p.joints])
@@ -46,7 +46,7 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
 
     Args:
         parameters: of the array.
-        model: its level, see `ModelLevel`.
+        model: level of the model, see `ModelLevel`.
 
     Raises:
         ValueError: if the level is unknown or does not go with a parameter.
@@ -78,7 +78,7 @@ def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float])
 
 
 def _main_body(p: ArrayParameters) -> AnyBody:
-    """The main body; its base points are one below the hinge's height at the centroid, and the hinge itself."""
+    """Return the main body; its base points lie at the hinge's height, at the centroid's x and `body_length` beyond."""
     return Body(
         "main body",
         p.body_mass,
@@ -133,14 +133,14 @@ def _cable(p: ArrayParameters, inner: JointRow, outer: JointRow) -> CableLoop:
 
 
 def main_body_corners(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Corners (..., 4, 2) of the main body [m], in order round it, from its two base points (..., 2, 2)."""
+    """Return the corners (..., 4, 2) of the main body [m], in order round it, from its two base points (..., 2, 2)."""
     centroid, along, across = main_body_frame(parameters, base_points)
     half, corners = parameters.body_size / 2, ((-1, -1), (1, -1), (1, 1), (-1, 1))
     return np.stack([centroid + half * (i * along + j * across) for i, j in corners], axis=-2)
 
 
 def main_body_frame(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """Centroid [m] and axes, (..., 2) each, of the main body from its two base points (..., 2, 2)."""
+    """Return the centroid [m] and axes, (..., 2) each, of the main body from its two base points (..., 2, 2)."""
     along = base_points[..., 1, :] - base_points[..., 0, :]
     along = along / np.hypot(along[..., :1], along[..., 1:])
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)

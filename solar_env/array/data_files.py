@@ -25,7 +25,7 @@ _BY_JOINT = {
 
 
 def write_data(trajectory: Trajectory, path: Path) -> None:
-    """Write a deployment, as its suffix says: ".npz" all of it, see `Trajectory.load`, ".csv" a row for each sample.
+    """Write a deployment in the suffix's format: ".npz" for all of it, see `Trajectory.load`, ".csv" a row per sample.
 
     Columns of the table name quantity, unit and joint, as in "angle_rad_1"; energies are "kinetic_J" and the like.
     """

@@ -29,16 +29,16 @@ def simulate(
     output_step: float = 0.01,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
-    """Simulate a deployment from the folded array at rest.
+    """Simulate a deployment from the folded array, by default at rest.
 
     Args:
-        parameters: a parameter set, or changes by name to that of the preset.
+        parameters: a parameter set, or changes by name to the preset.
         preset: name of a parameter set, see `ArrayParameters.preset`.
-        model: its level, such as "flexible-clearance:8 modes", see `ModelLevel`.
+        model: level of the model, such as "flexible-clearance:8 modes", see `ModelLevel`.
         duration: [s].
         integrator, rtol: settings of a method, such as `RungeKutta(rtol=1e-8)`, or its name, such as "rosenbrock", and
             its local error tolerance, see `array.methods.make_integrator`.
-        output_step: distance of the samples [s]; independent of the integration step.
+        output_step: time between samples [s]; independent of the integration step.
         progress: called with the simulated time [s] now and then; the result does not depend on it.
 
     Returns:
@@ -47,7 +47,7 @@ def simulate(
         run, and a looser tolerance does not make it cheaper.
 
     Raises:
-        ValueError: for an unknown name or a refused value, or if they contradict each other.
+        ValueError: for an unknown name or a refused value, or if arguments contradict each other.
         SimulationError: if the run cannot go on.
 
     Warns:
@@ -72,7 +72,7 @@ def simulate(
 
 
 def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
-    """The array of a deployment, and the compiled model that its coordinates belong to, from the metadata."""
+    """Return the array of a deployment, and the compiled model that its coordinates belong to, from the metadata."""
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
     mechanism = build(parameters, details["model"])
@@ -88,7 +88,7 @@ def hub_turn(trajectory: Trajectory) -> NDArray[np.float64]:
 
 
 def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
-    """Deflection of every panel's middle from the chord between its ends, over the samples of a deployment.
+    """Compute the deflection of every panel's middle from the chord between its ends, at the samples of a deployment.
 
     Returns:
         (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip.

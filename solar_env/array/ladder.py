@@ -23,8 +23,8 @@ QUESTIONS = {
     "controller-ranking": "which of two controllers is softer by peak force and by sliding work; errors are shares of "
     "pairs in the wrong order",
 }
-_ROUNDING = 1.0 + 1e-9  # shares of pairs are compared with tolerances that are such shares
-_LARGEST_TOLERANCE = 10.0  # beyond it, a share is meant in per cent
+_ROUNDING = 1.0 + 1e-9  # factor on a tolerance, since a share of pairs may equal it up to rounding
+_LARGEST_TOLERANCE = 10.0  # a greater tolerance was meant in per cent
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,11 @@ class Answer:
     """Error and cost of one level, a word as `ModelLevel.of` takes it, for one of the QUESTIONS.
 
     Attributes:
-        error: of the mean over an ensemble, relative, against a reference that is finer than all levels. Of the worst
-            joint, where there are several.
-        half_width: of the 95 % sampling band of that error.
-        cost_ratio: wall time over that of the reference, measured side by side.
-        evaluations: of the right-hand side, mean of the members of the ensemble.
+        error: relative error of the mean over an ensemble, against a reference that is finer than all levels; with
+            several joints, of the worst one.
+        half_width: half the width of the 95 % sampling band of the error.
+        cost_ratio: wall time divided by the wall time of the reference, measured side by side.
+        evaluations: evaluations of the right-hand side, mean over the members of the ensemble.
     """
 
     question: str
@@ -49,7 +49,7 @@ class Answer:
 
     @property
     def bound(self) -> float:
-        """Error plus half-width: a level answers a question to a tolerance that is no smaller."""
+        """Error plus half-width: the smallest tolerance to which the level answers the question."""
         return self.error + self.half_width
 
 
@@ -72,7 +72,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """The levels that `cheapest` chooses, from the finest to the cheapest, each up to the `bound` of the next."""
+    """Return the levels that `cheapest` can choose, finest first; each serves tolerances up to the next `bound`."""
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
         if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
@@ -81,7 +81,7 @@ def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
 
 
 def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answer:
-    """The answer of the cheapest level whose error, sampling included, is within a tolerance.
+    """Return the answer of the cheapest level whose error, sampling included, is within a tolerance.
 
     Raises:
         ValueError: if the question is unknown or was not measured, the tolerance is no positive finite number, or no
@@ -106,5 +106,5 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
 
 
 def cheapest_level(question: str, tolerance: float) -> str:
-    """The cheapest level of the model that answers a question to a relative tolerance, as `model=` takes it."""
+    """Return the cheapest level of the model that answers a question to a relative tolerance, as `model=` takes it."""
     return cheapest(read_answers(), question, tolerance).level

@@ -25,9 +25,9 @@ class ModelLevel:
     Attributes:
         panels: "rigid" or "flexible".
         joints: "ideal" or "clearance".
-        unit: of which flexible panels consist: "modes", bending modes in a floating frame, or "elements", cable
-            elements of the absolute nodal coordinate formulation; "" of rigid ones.
-        count: number of these in each panel; 0 of rigid ones.
+        unit: parts of flexible panels: "modes", bending modes in a floating frame, or "elements", cable elements of
+            the absolute nodal coordinate formulation; "" for rigid panels.
+        count: number of modes or elements in each panel; 0 for rigid panels.
 
     Raises:
         ValueError: on construction, if the panels refuse the count.
@@ -45,7 +45,7 @@ class ModelLevel:
 
     @classmethod
     def of(cls, word: str | Self) -> Self:
-        """The level of a word; what is none is refused by a ValueError that names those that come close."""
+        """Return the level that a word names; an unknown word raises a ValueError that names similar words."""
         if isinstance(word, cls):
             return word
         found = _WORD.fullmatch(word) if isinstance(word, str) else None
@@ -67,17 +67,17 @@ class ModelLevel:
 
     @property
     def flexible(self) -> bool:
-        """Whether the panels bend."""
+        """True if the panels bend."""
         return self.panels == FLEXIBLE
 
     @property
     def clearance(self) -> bool:
-        """Whether the joints have clearance."""
+        """True if the joints have clearance."""
         return self.joints == CLEARANCE
 
     @property
     def modal(self) -> bool:
-        """Whether the panels are described by their modes."""
+        """True if modes describe the panels."""
         return self.unit == MODES
 
     @property
@@ -86,11 +86,11 @@ class ModelLevel:
         return f"{self.count} {self.unit[:-1] if self.count == 1 else self.unit}" if self.unit else RIGID
 
     def __str__(self) -> str:
-        """The shortest word of the level."""
+        """Return the shortest word of the level."""
         return self.name if self.size in (RIGID, f"{DEFAULT_MODES} {MODES}") else f"{self.name}:{self.size}"
 
     def body(self, panel: PanelRow, name: str, motion: dict[str, Any]) -> AnyBody:
-        """A panel with its motion at t = 0, keywords of the body's description."""
+        """Return the body of a panel; `motion` at t = 0 holds keywords of the body's description."""
         if not self.flexible:
             return Body(name, panel.mass, panel.inertia, panel.length, (panel.centroid, 0.0), **motion)
         elastic = panel.axial_stiffness, panel.bending_stiffness, panel.damping

@@ -22,11 +22,11 @@ INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 
 
 def default_integrator(model: str | ModelLevel) -> RungeKutta:
-    """The integrator that a level of the model gets when none is named.
+    """Return the default integrator of a level of the model.
 
-    Linearly implicit with panels of beam elements, whose stiff vibrations would bound explicit steps; modal panels have
-    `ModalRadau`. The tolerances come from measured errors: angles, latch times and statistics of impacts
-    (`solar-env study precision`).
+    Panels of beam elements get a linearly implicit method, because their stiff vibrations would bound explicit steps;
+    modal panels get `ModalRadau`. The tolerances come from measured errors: angles, latch times and statistics of
+    impacts (`solar-env study precision`).
     """
     level = ModelLevel.of(model)
     if level.modal:
@@ -42,7 +42,7 @@ def make_integrator(
     step: float | None = None,
     rtol: float | None = None,
 ) -> Integrator:
-    """The method that a user has given by name or by settings, else the default of the level.
+    """Return the method that a user has given by name or by settings, otherwise the default of the level.
 
     Args:
         integrator: settings, None, or a name ("runge-kutta", "rosenbrock" and "modal-radau" adapt their steps, which
@@ -53,7 +53,7 @@ def make_integrator(
         rtol: local error tolerance.
 
     Raises:
-        ValueError: if it is no method, does not step the level's panels, or an option does not apply.
+        ValueError: if `integrator` is no method or cannot step the level's panels, or if an option does not apply.
     """
     level = ModelLevel.of(model)
     default = default_integrator(level)
@@ -85,14 +85,14 @@ def make_integrator(
 
 
 def kernels_are_compiled(integrator: str) -> bool:
-    """Whether the cache holds the kernels of an integrator for these very sources, or none are to be compiled."""
+    """Return whether the cache holds an integrator's kernels for these very sources, or compilation is switched off."""
     import numba
 
     return bool(numba.config.DISABLE_JIT) or _mark(integrator).exists()
 
 
 def compilation_note(integrators: Iterable[str]) -> str:
-    """A remark that the kernels of some integrators are compiled first; empty if all are compiled already."""
+    """Return a remark that the kernels of some integrators are compiled first; empty if all are compiled already."""
     return "" if all(map(kernels_are_compiled, integrators)) else " (compiles kernels first: minutes, this time alone)"
 
 
@@ -106,12 +106,12 @@ def announce_compilation(integrator: str) -> None:
 
 @cache
 def mark_compiled(integrator: str) -> None:
-    """Remember that an integrator has run, and its kernels lie in the cache."""
+    """Remember that an integrator has run, so that its kernels lie in the cache."""
     _mark(integrator).touch()
 
 
 def _mark(integrator: str) -> Path:
-    """File beside the kernels of the run."""
+    """Return the file, beside the cached kernels, that marks an integrator's kernels as compiled."""
     from solar_env.mechanics.integrators import run
     from solar_env.mechanics.numerics.jit import cache_folder
 

@@ -1,7 +1,7 @@
-"""Motorization: the torque that drives each hinge over the torque that resists it, before anything is run.
+"""Motorization: the ratio of driving to resisting torque of each hinge, before anything is run.
 
-ECSS-E-ST-33-01C Rev. 2 (2019), clause 4.7.5.3, asks of a mechanism for an actuation torque of twice the sum of its
-resistances, each times a factor for its uncertainty, which is smaller where the resistance has been measured.
+ECSS-E-ST-33-01C Rev. 2 (2019), clause 4.7.5.3, asks for an actuation torque of twice the sum of a mechanism's
+resistances. Each resistance counts times an uncertainty factor, which is smaller for a measured resistance.
 """
 
 from collections.abc import Mapping
@@ -12,17 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.parameters import ArrayParameters
+from solar_env.array.parameters.ranges import Ranges
 from solar_env.array.parameters.rows import JointRow
 from solar_env.support.values import check_name, check_positive
 
 Array = NDArray[np.float64]
 
 MARGIN = 2.0
-# Uncertainty factors of resistances that have not been measured (table 4-2 there); measured, friction and harness have
-# 1.5.
+# Uncertainty factors of resistances that have not been measured (table 4-2 there); measured friction and measured
+# harness torques have 1.5.
 FACTORS: Mapping[str, float] = {"spring": 1.2, "friction": 3.0, "harness": 3.0, "damper": 3.0, "weight": 1.1}
-_ANGLES = 201  # at which torques are compared
-UNHURRIED = 60.0  # s, in which a hinge opens at the rate at which its damper is counted
+_ANGLES = 201  # number of angles at which torques are compared
+UNHURRIED = 60.0  # s, duration of a steady opening, at whose rate the damper's torque is counted
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Motorization:
         angles: from the folded position to the lock [rad].
         driving: torque of spring and harness where it opens [N m].
         resisting: sum of the resistances [N m].
-        asked: driving torque that the standard asks for [N m].
+        asked: driving torque for which the standard asks [N m].
     """
 
     name: str
@@ -45,7 +46,7 @@ class Motorization:
 
     @property
     def ratio(self) -> tuple[float, float]:
-        """Least ratio of the driving torque to that asked for, and the angle at which it occurs [rad]."""
+        """Least ratio of the driving torque to the torque asked for, and the angle at which it occurs [rad]."""
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.where(self.asked > 0.0, self.driving / self.asked, np.inf)
         worst = int(np.argmin(ratios))
@@ -53,7 +54,7 @@ class Motorization:
 
     @property
     def stalls_at(self) -> float | None:
-        """First angle before the lock at which no driving torque is left [rad]; None where there always is some."""
+        """First angle before the lock at which the driving torque does not exceed the resistances [rad], or None."""
         stalled = (self.driving <= self.resisting) & (self.angles < self.angles[-1])
         return float(self.angles[np.argmax(stalled)]) if stalled.any() else None
 
@@ -71,11 +72,11 @@ def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None 
     """Compare driving and resisting torques of every hinge, and of all together where cable loops share them.
 
     Args:
-        parameters: of the array; without the motor, and without the friction of the journals, which has no load yet.
+        parameters: of the array. The motor does not count, nor the journals' friction, which has no load yet.
         factors: changes to FACTORS.
 
     Raises:
-        ValueError: A factor is unknown, or not positive.
+        ValueError: a factor is unknown, or not positive.
     """
     for name, value in (factors or {}).items():
         check_name("uncertainty factor", name, FACTORS)
@@ -87,11 +88,17 @@ def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None 
     return (*hinges, *map(_together, wings)) if loops else hinges
 
 
+def weakest(parameters: ArrayParameters, ranges: Ranges) -> ArrayParameters:
+    """Return the array at those ends of its ranges at which springs are weakest and resistances greatest."""
+    ends = {"spring_stiffness": 0, "spring_preload_angle": 0, "hinge_damping": 1, "hinge_friction_torque": 1}
+    return parameters.with_changes({name: ranges[name][end] for name, end in ends.items() if name in ranges})
+
+
 def slowest_damper(parameters: ArrayParameters, duration: float) -> float:
     """Compute the damping [N m s/rad] with which the mean torque of the weakest hinge opens it within a duration [s].
 
     Raises:
-        ValueError: A hinge has no torque.
+        ValueError: a hinge has no torque.
     """
     hinges = motorization(parameters)[: parameters.joint_count]
     most = min(float(hinge.driving.mean()) * duration / hinge.angles[-1] for hinge in hinges)
@@ -121,7 +128,7 @@ def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) ->
 
 
 def _weight(p: ArrayParameters, joint: int) -> Array:
-    """(angles,) torque of the panels' weight that hangers leave on a joint [N m], where all joints open in step."""
+    """Compute the (angles,) torque [N m] on a joint of the weight that hangers leave, while all joints open in step."""
     opened = np.array([row.sign * (np.linspace(0.0, row.lock_angle, _ANGLES) - row.fold_angle) for row in p.joints])
     turned = np.concatenate([np.cumsum(wing, axis=0) for wing in np.split(opened, p.wings)])
     turned[p.panel_count :] += np.pi  # a mirrored wing begins at the other side
@@ -145,7 +152,7 @@ def _tabulated(table: tuple[tuple[float, float], ...], angles: Array) -> Array:
 
 
 def _together(hinges: tuple[Motorization, ...]) -> Motorization:
-    """All hinges by the angle of the first: their loops keep the angles in the ratio of the lock angles."""
+    """Add up all hinges at the first hinge's angle: cable loops keep the angles in the ratio of the lock angles."""
     first = hinges[0].angles
     total = [
         sum(getattr(hinge, name) * (hinge.angles[-1] / first[-1]) for hinge in hinges)

@@ -23,20 +23,20 @@ Arguments = TypeVar("Arguments")
 
 @dataclasses.dataclass
 class QuietOption:
-    """Whether a command shows what it is at."""
+    """Option that hides a command's progress."""
 
     quiet: bool = False
     """no progress bars"""
 
     @property
     def console(self) -> Console:
-        """Where a command shows what it is at: standard error, or nowhere."""
+        """Console for a command's progress: standard error, or nowhere if `quiet`."""
         return Console(stderr=True, quiet=self.quiet)
 
 
 @dataclasses.dataclass
 class CommandRecord:
-    """The command as it was typed, for the record of what it writes."""
+    """The command as it was typed, for the record in the files that it writes."""
 
     command: Annotated[str, tyro.conf.Suppress] = ""
 
@@ -50,7 +50,7 @@ class WorkerOptions(QuietOption):
 
     @property
     def workers(self) -> int:
-        """Number of processes; -1 for one a processor.
+        """Number of processes; -1 for one per processor.
 
         Raises:
             ValueError: The number of processes is not positive.
@@ -71,17 +71,17 @@ class ArrayOption:
 
     @property
     def parameter_file(self) -> ParameterFile:
-        """Parameters and their ranges; what has no suffix is the name of an array.
+        """Parameters and their ranges; `array` without a suffix is the name of an array.
 
         Raises:
-            ValueError, OSError: There is no such array, or the file cannot be read, or is refused.
+            ValueError, OSError: No array has this name, or the file cannot be read, or is refused.
         """
         return read_parameters(self.array) if Path(self.array).suffix else named_array(self.array)
 
 
 @dataclasses.dataclass
 class FolderOptions:
-    """Where a study writes its tables and figures."""
+    """Folders in which a study writes its tables and figures."""
 
     out: Path | None = None
     """folder of all files; by default one of the study's name here"""
@@ -91,15 +91,15 @@ class FolderOptions:
     """measure nothing, draw the figures from the tables again"""
 
     def folders(self, name: str, tables: Path | None = None, figures: Path | None = None) -> tuple[Path, Path]:
-        """Return the folders of tables and of figures, which are made unless their tables are drawn from.
+        """Return the folders of tables and of figures, which are made; a folder to draw from must exist already.
 
         Args:
-            name: that of the folder if none is asked for.
-            tables, figures: those of the page, where the page has any.
+            name: name of the folder if `out` is None.
+            tables, figures: folders of the page, where the page has any.
 
         Raises:
             ValueError: if both a folder and the page are asked for.
-            FileNotFoundError: if figures are to be drawn from a folder that is not there.
+            FileNotFoundError: if the folder to draw figures from does not exist.
         """
         if self.readme and self.out is not None:
             raise ValueError("--readme writes into the page of the study: leave out --out, or --readme")
@@ -175,7 +175,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
 
 
 def _senseless(cls: type, argv: Sequence[str]) -> str:
-    """What tyro lets pass: an empty word, as of a variable of the shell that is not set, and pairs that it drops."""
+    """Return an error for input that tyro accepts: an empty word, as of an unset shell variable, or pairs it drops."""
     hints = get_type_hints(cls, include_extras=True)
     pairs = {f"--{name.replace('_', '-')}" for name, kind in hints.items() if kind == Assignments}
     options = [word.partition("=")[0] for word in argv if word.startswith("--")]
@@ -186,7 +186,7 @@ def _senseless(cls: type, argv: Sequence[str]) -> str:
 
 
 def _first_sentence(report: str) -> str:
-    """Return the first paragraph of tyro's report, without title and box, which is of ASCII for some terminals."""
+    """Return the first paragraph of tyro's report, without its title and box; on some terminals the box is ASCII."""
     lines = [line.strip("│╭╮╰╯ ") for line in report.splitlines()[1:]]
     text = "\n".join("" if set(line) <= set("─-") else line for line in lines)
     return " ".join(text.strip().split("\n\n")[0].split()).rstrip(".")

@@ -1,4 +1,4 @@
-"""`solar-env design`: which values of some parameters make a figure least."""
+"""`solar-env design`: values of some parameters that make a figure least."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -14,9 +14,9 @@ PICTURE = "design.png"
 class Args(ArrayOption, WorkerOptions, CommandRecord):
     """Find the values of some parameters that make a figure least.
 
-    One or two parameters are mapped, more are searched by CMA-ES. A figure is that of the joint where it is greatest,
+    One or two parameters are mapped, more are searched by CMA-ES. A figure is taken at the joint where it is greatest,
     in the unit in which `loads` prints it. All joints have the same value of a parameter, or are scaled alike where
-    they differ.
+    their values differ.
     """
 
     change: list[str] = field(default_factory=lambda: ["hinge_damping", "latch_damping"])
@@ -25,7 +25,9 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
     keep: list[str] = field(default_factory=lambda: ["latch_time < 60"])
     """what must hold, for example "latch_time < 30" "peak_force < 300" """
     least: str = "latch_torque"
-    """what is to be least, by the name of a quantity of loads"""
+    """quantity that is to be least: latch_time, latch_rate, latch_torque, peak_force, peak_torque (which bends the
+    panel's root), impulse, impact_count, impact_speed_max, sliding_work, wear_depth; of the hub hub_excursion (greatest
+    turn), hub_turn (at the end, either way), hub_force, hub_torque, hub_acceleration"""
     points: int = 49
     """designs that are tried"""
     runs: int = 2
@@ -64,7 +66,7 @@ def run_command(args: Args) -> int:
 
 
 def ranges(words: Sequence[str]) -> dict[str, object]:
-    """Turn words such as "latch_damping" and "hinge_damping=0,5" into ranges by name; None where none is given.
+    """Turn words such as "latch_damping" and "hinge_damping=0,5" into ranges by name; None for a name alone.
 
     Raises:
         ValueError: A word cannot be read, or a name is given twice.

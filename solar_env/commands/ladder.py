@@ -17,10 +17,10 @@ SECTION = Section(STUDIES / "ladder" / "README.md", "ladder", "solar-env ladder 
 
 @dataclass
 class Args(FolderOptions, QuietOption):
-    """Tell the cheapest level for a question, or measure which does.
+    """Tell the cheapest level for a question, or measure the levels.
 
-    With --readme the table goes into solar_env/array/data, where --ask, loads and solar_env.cheapest_level look it up,
-    the figure and the levels chosen into the page of the study.
+    With --readme the table goes into solar_env/array/data, where --ask, loads and solar_env.cheapest_level look it up.
+    The figure and the levels chosen go into the page of the study.
     """
 
     ask: Annotated[str | None, tyro.conf.arg(help=f"measure nothing, tell of one: {', '.join(QUESTIONS)}")] = None
@@ -55,7 +55,7 @@ def run_command(args: Args) -> int:
 
 
 def choices(answers: tuple[Answer, ...]) -> str:
-    """The cheapest level of every question from a tolerance on, as a table in Markdown.
+    """Make a table in Markdown of the cheapest level for every question, with the tolerance from which it answers.
 
     Tolerances are the errors of the levels, sampling included, rounded up to two digits. Levels whose error may be as
     large as the answer are left out.

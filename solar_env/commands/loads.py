@@ -1,4 +1,4 @@
-"""`solar-env loads`: how hard hinges and hub are hit, and how sure that is."""
+"""`solar-env loads`: loads on hinges and hub, with their uncertainty."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -41,8 +41,8 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Run the ensemble, print the answer and the tables, write what was asked for."""
-    from solar_env.studies.loads.ensemble import LoadsPlan, measure_loads
+    """Run the ensemble, print the answer and the tables, and write the files asked for."""
+    from solar_env.studies.loads.ensemble import LoadsPlan, check_latching, measure_loads
     from solar_env.studies.loads.hub import write_hub_loads
     from solar_env.studies.loads.page import loads_page
     from solar_env.studies.loads.report import answer, tables
@@ -51,26 +51,30 @@ def run_command(args: Args) -> int:
     from solar_env.support.versions import versions
 
     array = args.parameter_file
+    if args.runs < 0:
+        raise ValueError(f"runs = {args.runs} must be at least 0")
     if args.runs == 0:
-        for line in statics(array.parameters, args.factors):
+        for line in statics(array, args.factors):
             wide_console().print(line, highlight=False)
         return 0
     plan, workers = LoadsPlan(array, args.model, args.runs, args.window, args.deadline), args.workers
     for level in plan.levels:
-        build(array.parameters, level.model)  # refuses before anything is compiled
-    motorization(array.parameters, args.factors)  # refuses factors that are none
+        build(array.parameters, level.model)  # refuses wrong input before anything is compiled
+    motorization(array.parameters, args.factors)  # refuses wrong factors
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):
         if path is not None:
             check_target(path, (suffix,))
+    before = statics(array, args.factors)
+    for line in before:
+        args.console.print(line, highlight=False)
     from solar_env.array import default_integrator
     from solar_env.commands.warmup import warm_up
 
     kernels = [(level.model, default_integrator(level.model).name) for level in plan.levels]
     for model, method in dict.fromkeys(kernels):
         warm_up(args.console, model, method)
-    before = statics(array.parameters, args.factors)
-    for line in before:
-        args.console.print(line, highlight=False)
+    if any(hinge.stalls_at is not None for hinge in motorization(array.parameters)):
+        check_latching(plan)
     loads = measure_loads(plan, args.out, workers, args.console)
     if args.html or args.hub:
         nominal = deploy(plan.levels[0], array.parameters, 0, plan.window, plan.deadline)

@@ -17,7 +17,7 @@ class Args:
 
 
 def run_command(args: Args) -> int:
-    """Print the file."""
+    """Print the parameter file of the array."""
     if args.array in WINGS:
         print(WINGS[args.array].read_text(encoding="utf-8"), end="")
     else:

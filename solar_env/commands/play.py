@@ -11,9 +11,9 @@ from solar_env.environment.showing.window import open_display
 from solar_env.pictures.frame import CARD, INK
 from solar_env.pictures.style import BLUE, FAINT
 
-BAR = 64  # pixels below the frame: the torque, and what it means
+BAR = 64  # height below the frame [pixels], for the torque and a line of text
 _MARGIN = 24
-_STEPS = 20  # of a key, from no torque to the limit
+_STEPS = 20  # strokes of a key from no torque to the limit
 
 
 @dataclass
@@ -37,15 +37,15 @@ class Player:
     """An episode in a window; `press` takes a key, `tick` goes on by a control period, `draw` shows the state.
 
     Attributes:
-        torque: in units of the limit, -1 to 1.
-        paused: whether `tick` does nothing.
+        torque: motor torque in units of the limit, -1 to 1.
+        paused: true while `tick` does nothing.
         running: False once the window is to close.
         score: sum of the rewards so far.
-        ended: whether the episode has.
+        ended: true once the episode has ended.
     """
 
     def __init__(self, env: Any, seed: int) -> None:
-        # Display and fonts alone: sound, say, complains at length where there is no device.
+        # Start display and fonts alone: sound, for example, complains at length where there is no device.
         self._game = pygame = open_display()
         pygame.font.init()
         self._env, self._seed, self.running = env, seed, True
@@ -61,7 +61,7 @@ class Player:
         self._frame = self._env.render()
 
     def press(self, key: int) -> None:
-        """Take a key."""
+        """React to a key."""
         game = self._game
         if key in (game.K_LEFT, game.K_RIGHT):
             change = (1.0 if key == game.K_RIGHT else -1.0) / _STEPS

@@ -19,8 +19,9 @@ from solar_env.commands.arguments import ArrayOption, Assignments, QuietOption
 from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import counting_bar
 
+Array = NDArray[np.float64]
 _INTEGRATOR_HELP = f"one of {', '.join(INTEGRATOR_NAMES)}; by default the model's best"
-_DIGITS = 5  # significant, that are printed; files have all
+_DIGITS = 5  # significant digits printed; files have all digits
 
 
 @dataclass
@@ -50,8 +51,8 @@ class Args(ArrayOption, QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Simulate, report, write what was asked for."""
-    # Wrong input is refused before anything is compiled.
+    """Simulate a deployment, report it, and write the files asked for."""
+    # Refuse wrong input before anything is compiled.
     from solar_env.array import data_files
 
     level = ModelLevel.of(args.model)
@@ -95,8 +96,8 @@ def run_command(args: Args) -> int:
         hinges = motorization(parameters)
         if any(hinge.asked.any() for hinge in hinges):
             print(f"Motorization: {'; '.join(map(str, hinges))}.")
-        if (latched := int(np.isfinite(trajectory.latch_times).sum())) < len(trajectory.latch_times):
-            print(_unlatched(parameters, trajectory.angles[-1], latched, args.duration))
+        if np.isnan(trajectory.latch_times).any():
+            print(_unlatched(parameters, trajectory.latch_times, trajectory.angles[-1], args.duration))
         if args.json:
             write_text(args.json, json.dumps(summary, indent=2) + "\n")
     if args.out:
@@ -106,13 +107,13 @@ def run_command(args: Args) -> int:
     return 0
 
 
-def _unlatched(parameters: ArrayParameters, angles: NDArray[np.float64], latched: int, duration: float) -> str:
-    """State that joints have not latched, and why as far as their springs tell."""
-    joints = parameters.joints
-    text = f"{latched or 'None'} of {len(joints)} joints latched within {duration:g} s: "
-    weak = [str(hinge) for hinge in motorization(parameters)[: len(joints)] if hinge.stalls_at is not None]
-    pairs = zip(joints, angles, strict=True)
-    ends = (f"{row.name} is at {angle:.3g} of {row.lock_angle:.3g} rad" for row, angle in pairs)
+def _unlatched(parameters: ArrayParameters, latch_times: Array, angles: Array, duration: float) -> str:
+    """State which joints have not latched, and the reason if their springs stall."""
+    open_joints = [row for row in parameters.joints if np.isnan(latch_times[row.index])]
+    latched, hinges = len(parameters.joints) - len(open_joints), motorization(parameters)
+    text = f"{latched or 'None'} of {len(parameters.joints)} joints latched within {duration:g} s: "
+    weak = [str(hinges[row.index]) for row in open_joints if hinges[row.index].stalls_at is not None]
+    ends = [f"{row.name} is at {angles[row.index]:.3g} of {row.lock_angle:.3g} rad" for row in open_joints]
     return text + ("; ".join(weak) if weak else f"{', '.join(ends)}; simulate longer") + "."
 
 

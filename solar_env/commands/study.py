@@ -28,10 +28,10 @@ class Args(FolderOptions, WorkerOptions, CommandRecord):
     """fewer and shorter runs"""
 
     def parts(self, known: Iterable[str]) -> list[str]:
-        """The parts that are asked for, or all that are known.
+        """Return the parts asked for, or all known parts.
 
         Raises:
-            ValueError: if one is not known; the message names the closest ones.
+            ValueError: if a part is not known; the message names the closest known parts.
         """
         names = list(known)
         for part in self.only:

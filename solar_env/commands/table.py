@@ -14,7 +14,7 @@ STUDIES = "solar_env.studies"
 
 
 def rows(group: str) -> dict[str, str]:
-    """Name -> module of a group of entry points; beside the source, pyproject.toml says what it will install."""
+    """Return name -> module of a group of entry points; beside the source, pyproject.toml adds its rows."""
     found = {point.name: point.value for point in entry_points(group=group)}
     source = PACKAGE.parent / "pyproject.toml"
     if source.is_file():
@@ -26,7 +26,7 @@ def load(group: str, name: str) -> Any:
     """Import the module of a row.
 
     Raises:
-        ValueError: if there is none of this name.
+        ValueError: if no row has this name.
     """
     found = rows(group)
     if name not in found:
@@ -36,6 +36,6 @@ def load(group: str, name: str) -> Any:
 
 
 def summaries(group: str, what: str) -> dict[str, str]:
-    """Name -> first sentence of the docstring of `what` in its module, which is read and not imported."""
+    """Return name -> first sentence of the docstring of `what` in its module, which is read and not imported."""
     sentences = {name: docstring(module, what).partition("\n\n")[0] for name, module in rows(group).items()}
     return {name: sentence.replace("\n", " ").rstrip(".") for name, sentence in sentences.items()}

@@ -22,7 +22,7 @@ class Args(QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Run, print the table, write what was asked for; 1 if a check fails, else 0."""
+    """Run the cases, print the table, write the rows if asked to; return 1 if a check fails, else 0."""
     from solar_env.verification.suite import CASES, run
 
     names = [args.only] if args.only else list(CASES)

@@ -13,8 +13,8 @@ from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlp
 from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage
 
-# The first two share next to nothing; the last finds compiled what it shares with the first. Those of a pair are the
-# same kernels.
+# The first two entries share almost no kernels; the last finds the kernels that it shares with the first compiled. The
+# methods of a pair have the same kernels.
 _ORDER = ((RungeKutta.name, Rosenbrock.name), (ModalRadau.name,), (GeneralizedAlpha.name,))
 
 
@@ -24,7 +24,7 @@ class Args:
 
 
 def load_kernels(model: str, integrator: str) -> float:
-    """Run a moment of a model so that its kernels are compiled or loaded; returns the wall time it took [s]."""
+    """Run a moment of a model so that its kernels are compiled or loaded; return the wall time [s]."""
     from solar_env.mechanics.running.simulation import Simulation
 
     start, level = time.perf_counter(), ModelLevel.of(model)
@@ -36,7 +36,7 @@ def load_kernels(model: str, integrator: str) -> float:
 
 
 def load_all_models(integrators: Sequence[str]) -> dict[str, list[float]]:
-    """`load_kernels` of some integrators for every model; the models share their kernels."""
+    """Load the kernels of some integrators for every model; the models share their kernels."""
     return {integrator: [load_kernels(model, integrator) for model in MODELS] for integrator in integrators}
 
 
@@ -46,7 +46,7 @@ def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
     Yields:
         Name of an integrator, with the seconds that it took to load for each of MODELS.
     """
-    # Not as other work is spread: joblib takes the memory of compiling for a leak, and starts its workers anew.
+    # Do not use joblib, as other work does: it takes the memory of compiling for a leak, and restarts its workers.
     pool = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
     try:
         with starting_workers():
@@ -54,7 +54,7 @@ def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
         for job in as_completed(jobs):
             yield from job.result().items()
     except BaseException:
-        for worker in multiprocessing.active_children():  # each would compile what it is at to the end
+        for worker in multiprocessing.active_children():  # each would finish its present compilation
             worker.terminate()
         raise
     finally:
@@ -68,7 +68,7 @@ def warm_up(console: Console, model: str, integrator: str) -> None:
 
 
 def run_command(args: Args) -> int:
-    """Compile the kernels of all models and integrators, those of the environments included."""
+    """Compile the kernels of all models and integrators, and of the environments."""
     import gymnasium
 
     from solar_env.environment.registration import CURRENT

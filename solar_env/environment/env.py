@@ -24,7 +24,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     hammer in the clearances of their hinges. The drive of one hinge, by default the root's, works with the springs and
     against them. The task is to deploy in time and softly: with little peak force after latching, and little wear.
 
-    The physics is that of Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
+    The physics follows Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
     steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of 1e-5 to 3e-3 s with flexible ones.
     Everything is deterministic; `reset(seed=...)` fixes the draws of `randomize` and the noise.
 
@@ -48,12 +48,13 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     positive, for 0.098 (1 + 0.05 u) rad/s. An action of 0 deploys the array unhurriedly: 0.098 rad/s opens the hinge in
     0.8 of the deadline. An action of -1 slows it down to a ninetieth of that.
 
-    A loop holds that rate. 20 times a second the motor's torque becomes 25 N m s/rad times the error of the rate, with
-    flexible panels, which that would shake, 100 times a second 12 N m s/rad times the error; less the torque that the
-    springs exert by their parameters before anything is drawn. It stays within the limit and passes a low-pass filter
-    of 0.1 s. The setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes the loop; four panels and
-    more need a greater `rate_loop_gain`. After the last latching the drive alone brings the array to
-    rest: it asks for a rate of 0, and the step in which the array latches lasts until the episode ends.
+    A loop holds that rate. 20 times a second it sets the motor's torque to 25 N m s/rad times the error of the rate.
+    Flexible panels would shake with that gain: there it is 12 N m s/rad, 100 times a second. A driven panel of less
+    than 1.25 kg m2 about its hinge, such as a yoke, needs `hardware={"rate_loop_frequency": 100}`. The loop subtracts
+    the torque that the springs exert by their parameters before anything is drawn. The torque stays within the limit
+    and passes a low-pass filter of 0.1 s. The setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes
+    the loop; four panels and more need a greater `rate_loop_gain`. After the last latching the drive alone brings the
+    array to rest: it asks for a rate of 0, and the step in which the array latches lasts until the episode ends.
 
     With `action="torque"` an action is the motor's torque in units of the limit, positive opens. With several driven
     joints, such as `driven_joint=(0, 1)`, each has a motor, a loop and an entry of the action, in that order.
@@ -61,8 +62,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ## Observation Space
 
     `Box` of float32. Values are clipped to the bounds; `observation_names` names the entries in order. The keyword
-    `observation` lists what is observed; `_i` stands for one entry a joint, from 1 at the root. The sensors do to it
-    what the keyword `hardware` says.
+    `observation` lists the observables; `_i` stands for one entry per joint, from 1 at the root. The sensors have the
+    imperfections of the keyword `hardware`.
 
     <observables>
 
@@ -71,15 +72,15 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     * "drive" observes what a hinge drive can measure: `theta_i`, `rate_i`, `latched_i`, `motor_torque`,
       `time_to_deadline`, `time_since_latch`.
     * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
-      (`theta_1_1_ago`, ...); before the first step they are the first ones.
+      (`theta_1_1_ago`, ...); before the first step the past values equal the first ones.
     * "privileged" extends "drive" by what only a simulator knows, for analysis and bounds: `eccentricity_x_i`,
       `eccentricity_y_i` (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
 
     ## Rewards
 
-    The sum of the terms in `info["reward_terms"]`: each is minus the growth, in this step, of what a physical figure of
-    the episode costs, `weight * x`, or in decades `weight * log10(1 + x)`, where x is `min(figure / scale, bound)`.
-    Over an episode a term adds up to minus what the figure costs at its end. The keyword `reward` changes weights,
+    The sum of the terms in `info["reward_terms"]`: each is minus the growth, in this step, of the cost of a physical
+    figure: `weight * x`, or in decades `weight * log10(1 + x)`, where x is `min(figure / scale, bound)`.
+    Over an episode a term adds up to minus the figure's cost at its end. The keyword `reward` changes weights,
     scales, bounds and forms; terms of weight 0 are left out.
 
     <terms>
@@ -89,8 +90,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         3.2 - log10(1 + F / 1 N) - 2 log10(1 + W / 1 mJ) - 0.01 t - 2 max(0, t - 19.5),
 
-    of a force F and a work W: a decade of force costs 1, a decade of work 2. The way is paid as it is made, 3.2 in all.
-    A missed deadline must cost more than force and work can together, and costs all the time that it takes besides.
+    with a force F and a work W: a decade of force costs 1, a decade of work 2. The opening earns 3.2, along the way.
+    A missed deadline must cost more than force and work can together; it also costs all the time that it takes.
 
     With rigid panels the springs alone return -4.0, the best constant action, 0, -2.4, PPO of Stable-Baselines3 with
     its defaults -0.6 to -0.1 after 100,000 steps, and 0.7 to 0.9 once the last layer of its policy has been searched;
@@ -115,9 +116,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the figures of the episode
     (`latched`, `latch_times_s`, `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`,
-    `postlock_impulse_Ns`, `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint but the
-    first, `motor_work_J`, `energy_residual_J`, `duration_s`), and `v1_return`, what the same deployment returns at the
-    prices of version 1.
+    `postlock_impulse_Ns`, `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint except
+    the first, `motor_work_J`, `energy_residual_J`, `duration_s`), and `v1_return`, the return of the same deployment at
+    the prices of version 1.
 
     ## Arguments
 
@@ -125,8 +126,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     `torque_limit`, `control_period`, `deadline`, `settling_window`, `driven_joint`, `action`, `observation`, `reward`,
     `scenario`, `randomize`, `hardware`, `render_mode` and `max_steps`.
 
-    `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
-    `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
+    `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`. It cannot change
+    `panel_count`, `wings`, `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
     """
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
@@ -160,7 +161,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._episodes.parameters[0]
 
     def futures(self, lanes: int, threads: int | None = None) -> Episodes:
-        """Copies of the present episode to try its futures with, while it stays as it is; see `Episodes.futures`."""
+        """Copy the present episode, to try futures in the copies; the episode itself stays; see `Episodes.futures`."""
         return self._episodes.futures(0, lanes, threads)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:

@@ -53,7 +53,7 @@ class Episodes:
     """
 
     def __init__(self, lanes: Sequence[EnvironmentSettings], threads: int | None = None) -> None:
-        """Without episodes yet: they begin with `reset`; `threads`: see `Batch`."""
+        """Prepare episodes, which begin with `reset`; `threads`: see `Batch`."""
         self.lanes, self.settings = tuple(lanes), lanes[0]
         self.parameters, settings = [of_lane.array for of_lane in lanes], self.settings
         self._sensors = settings.sensors(len(lanes))
@@ -69,7 +69,7 @@ class Episodes:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Refuse whoever calls while another thread is in here, by a RuntimeError."""
+        """Raise a RuntimeError if another thread is within such a block."""
         if self._busy:
             raise RuntimeError(
                 "this environment is in another call just now: give every thread an environment of its own, or take a "
@@ -83,7 +83,7 @@ class Episodes:
 
     @property
     def batch(self) -> Batch:
-        """The simulations; there are none before the first reset."""
+        """Simulations of all lanes; a ResetNeeded is raised before the first reset."""
         if self._batch is None:
             raise gymnasium.error.ResetNeeded("call reset() before using the simulation")
         return self._batch
@@ -94,16 +94,16 @@ class Episodes:
         return np.array(self.batch.states.clock["time"][:, 0])
 
     def check_lanes(self, lanes: NDArray[np.int64]) -> None:
-        """Refuse to begin episodes in some lanes alone before there are any, by a ResetNeeded."""
+        """Raise a ResetNeeded if a first reset is of some lanes only."""
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
 
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
-        """Begin episodes in some lanes (k,), the first time in all: folded, with parameters that are drawn.
+        """Begin episodes in some lanes (k,), the first time in all lanes: folded, with drawn parameters.
 
-        Changes of parameters, after the draw, are checked by `EnvironmentSettings.check_changes` before.
+        `changes` follow the draw; callers check them beforehand, by `EnvironmentSettings.check_changes`.
         """
         announce_compilation(self.settings.integrator.name)
         drawn = [
@@ -132,7 +132,7 @@ class Episodes:
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Hold actions for one control period, as `attempt`.
+        """Hold actions for one control period, as `attempt` does, and raise a failure.
 
         Raises:
             SimulationError: the first failure.
@@ -144,12 +144,12 @@ class Episodes:
         """Hold actions for one control period.
 
         Args:
-            lanes: (k,) which.
+            lanes: (k,) indices of the lanes that advance.
             actions: (lanes, motors) see `Task.action`; clipped to [-1, 1].
 
         Returns:
-            Lane -> why its simulation cannot go on; mostly there are none. A lane that fails keeps what it observed
-            last, and earns nothing.
+            Lane -> error of a simulation that cannot go on; mostly empty. A lane that fails keeps its last observation,
+            and earns nothing.
 
         Raises, Warns: as `Batch.attempt`.
         """
@@ -174,12 +174,12 @@ class Episodes:
         return failures
 
     def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
-        """What a function of the reward is told of some lanes now."""
+        """Return the present time and figures of some lanes, as a reward function takes them."""
         times, told = self.times.tolist(), self.settings.terms.told
         return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 
     def save(self, lane: int) -> SavedEpisode:
-        """The present episode of a lane, to be gone on with later, in any lane of episodes with the same settings."""
+        """Return the present episode of a lane; `restore` continues it in any lane of episodes with equal settings."""
         state, sensors = self.batch.simulations[lane].snapshot(), self._sensors.memory(lane)
         account, terms, drives = (
             values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.drives)
@@ -211,17 +211,17 @@ class Episodes:
         return simulation
 
     def _recall(self, lane: int, saved: SavedEpisode) -> None:
-        """Take over what a saved episode has beside the state of its simulation."""
+        """Take over everything of a saved episode except the state of its simulation."""
         self.parameters[lane], self.terminated[lane] = saved.parameters, False
         self._periods.accounts[lane], self._periods.drives[lane] = saved.account, saved.drives
         self.terms[lane], self.rewards[lane] = saved.terms, saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
 
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
-        """Copies of the present episode of a lane, as lanes of what is returned, which go on without touching it.
+        """Copy the present episode of a lane into the lanes of new episodes, which leave the original untouched.
 
-        Each has all that is saved of the original, with the noise that is to come, and goes on to the same bits under
-        the same actions; on `threads` threads at most.
+        Each copy has all that `save` keeps of the original, coming noise included: the same actions lead to the same
+        bits. The copies run on `threads` threads at most.
         """
         if not is_whole_number(plain(count), 1):
             raise ValueError(f"lanes = {count!r} must be a whole number, at least 1")
@@ -234,12 +234,12 @@ class Episodes:
         return copies
 
     def info(self, lane: int) -> Info:
-        """Information of every step: time [s] and terms of the reward."""
+        """Return the information of every step: time [s] and terms of the reward."""
         terms = dict(zip(self.settings.terms.names, self.terms[lane].tolist(), strict=True))
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> Info:
-        """The physical figures of an episode so far, for `info["deployment"]`.
+        """Return the physical figures of an episode so far, for `info["deployment"]`.
 
         Warns:
             SimulationWarning: if it was less accurate than it looks, see `Simulation.check`.
@@ -290,7 +290,7 @@ def raise_first(failures: Mapping[int, SimulationError]) -> None:
 
 
 def checked_actions(given: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Actions, (motors,) of one array or (lanes, motors) of many, as a new array of floating-point numbers.
+    """Return the actions, (motors,) of one array or (lanes, motors) of many, as a new array of floating-point numbers.
 
     Raises:
         ValueError: if they have another shape, are no numbers, or are not finite.

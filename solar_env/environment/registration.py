@@ -9,7 +9,7 @@ from solar_env.environment.task.task import CURRENT_VERSION, VERSIONS
 
 
 def environment_id(scenario: str, version: str = CURRENT_VERSION) -> str:
-    """The id of a scenario in a version of the task."""
+    """Return the id of a scenario in a version of the task."""
     return f"solar_env/{SCENARIOS[scenario].title}-{version}"
 
 

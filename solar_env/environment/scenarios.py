@@ -11,11 +11,11 @@ from solar_env.environment.hardware import Hardware
 
 
 class Spread(NamedTuple):
-    """Between what a parameter is drawn, relative to the array's own value.
+    """Range from which a parameter is drawn, relative to the array's own value.
 
     Attributes:
-        low, high: what `of` makes the bounds of, together with the value.
-        of: the product of value and bound, their sum, or the power.
+        low, high: numbers that `of` combines with the value into the bounds.
+        of: product, sum or power of the value and `low` or `high`.
     """
 
     low: float
@@ -23,7 +23,7 @@ class Spread(NamedTuple):
     of: Callable[[float, float], float] = operator.mul
 
     def around(self, value: float | tuple[float, ...]) -> tuple[Bound, Bound]:
-        """Bounds around a value, or around the entries of one by joint."""
+        """Return the bounds around a value, or around the entries of a value by joint."""
         if isinstance(value, tuple):
             return tuple(self.of(entry, self.low) for entry in value), tuple(self.of(x, self.high) for x in value)
         return self.of(value, self.low), self.of(value, self.high)
@@ -33,9 +33,9 @@ class Scenario(NamedTuple):
     """Values that the keywords of an environment change.
 
     Attributes:
-        title: in the ids of its environments, followed by the version of the task.
+        title: name in the ids of its environments, before the version of the task.
         parameters: of the array, before anything is drawn.
-        spreads: by parameter, of what is drawn anew for every episode.
+        spreads: spread of each parameter that is drawn anew for every episode, by name.
         hardware: sensors and motor.
     """
 
@@ -45,7 +45,7 @@ class Scenario(NamedTuple):
     hardware: Hardware
 
     def ranges(self, array: ArrayParameters) -> Ranges:
-        """The ranges for an array, around its own parameters; a main body that is held does not turn."""
+        """Return the ranges for an array, around its own parameters; a held main body gets no initial spin."""
         turns = not array.body_fixed
         values = {n: getattr(array, n) for n in self.spreads if turns or n != "initial_spin"}
         several = {n: array.for_each_joint(n) for n, value in values.items() if isinstance(value, tuple)}
@@ -65,7 +65,7 @@ SCENARIOS: dict[str, Scenario] = {
         spreads={
             "clearance": Spread(0.25, 2.5),
             "friction_coefficient": Spread(1.0 / 3.0, 2.0),
-            # From 0.7 to 0.95 where it is 0.9; a power of a restitution is one, too.
+            # From 0.7 to 0.95 where the restitution is 0.9; a power of a restitution is a restitution, too.
             "restitution": Spread(math.log(0.7) / math.log(0.9), math.log(0.95) / math.log(0.9), operator.pow),
             "spring_stiffness": _TENTH,
             "cable_stiffness": _TENTH,

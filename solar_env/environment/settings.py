@@ -31,27 +31,27 @@ class EnvironmentSettings:
     """The keywords of `gymnasium.make` and `gymnasium.make_vec` that describe an environment.
 
     Attributes:
-        model: its level: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal", after which the
-            fineness of flexible panels may stand, as in "flexible-clearance:8 modes" (up to 200; 32 by default) or
+        model: level of the model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". After it
+            the fineness of flexible panels may stand, as in "flexible-clearance:8 modes" (up to 200; 32 by default) or
             "flexible-ideal:6 elements" (1 to 1000). With ideal joints the joint reactions take the place of contact
             forces and nothing wears. `solar_env.cheapest_level("controller-ranking", 0.2)` gives the cheapest level
             that answers a question.
-        parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
-        version: of the task, which all that follows has its defaults from: its limits and times, what is observed and
-            what an action is, the drive's loop and the prices of the reward.
+        parameters: an `ArrayParameters`, or a mapping of changes to the scenario's parameters.
+        version: version of the task, which gives all that follows its defaults: limits and times, observation and
+            action, the drive's loop and the prices of the reward.
         torque_limit, control_period, deadline, settling_window, driven_joint, action: see `task.task.Task`.
         observation: "scaled", "drive", "history" or "privileged", or names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
-            of the four in a list stands for all that it has.
+            of the four names in a list stands for all its observables.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound", which changes the
-            version's prices; or a function in their place, see `solar_env.environment.task.reward.RewardFunction`.
+            version's prices; or a function instead, see `solar_env.environment.task.reward.RewardFunction`.
         scenario: "nominal" or "randomised"; the two keywords that follow change it.
-        randomize: mapping of parameter names to (low, high), in place of the scenario's, which are around the array's
-            own parameters; each reset draws uniformly, by joint where the parameter is by joint, and there each bound
-            may be one by joint.
+        randomize: mapping of parameter names to (low, high), instead of the scenario's ranges, which lie around the
+            array's own parameters. Each reset draws uniformly, by joint where the parameter is by joint; there each
+            bound may be a sequence by joint.
         hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's.
         render_mode: "rgb_array", "human" (a window; a single environment alone) or None.
-        max_steps: bound on the integration steps of one control period, tried ones included; usual are some hundred.
+        max_steps: bound on the integration steps of one control period, tried ones included; some hundred are usual.
 
     Raises:
         ValueError: on construction, for an unknown name or a refused value; the message says which.
@@ -77,7 +77,7 @@ class EnvironmentSettings:
     def __post_init__(self) -> None:
         if self.render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
-        # Whatever follows from the keywords refuses values that it cannot follow from.
+        # These properties follow from the keywords; reading them refuses bad values.
         for name, table in (("scenario", SCENARIOS), ("version", VERSIONS)):
             check_name(f"the {name}", getattr(self, name), table)
         for name in ("level", "integrator", "array", "ranges", "devices", "task", "entries", "terms"):
@@ -86,11 +86,13 @@ class EnvironmentSettings:
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
-        """Settings from keywords, with what the scenario stands for in its place; TypeError for an unknown one."""
+        """Make settings from keywords, with the scenario's values filled in; an unknown keyword raises a TypeError."""
         known = [item.name for item in fields(cls)]
         for name in keywords:
             if name not in known:
-                raise TypeError(unknown_name("the environment's keyword", name, known))
+                of_array = name in vars(ArrayParameters())
+                hint = f"; of the array it is one of parameters={{{name!r}: ...}}" if of_array else ""
+                raise TypeError(unknown_name("the environment's keyword", name, known) + hint)
         given = cls(**keywords)
         model, array, ranges = str(given.level), given.array, given.ranges
         return replace(given, model=model, parameters=array, randomize=ranges, hardware=given.devices)
@@ -112,7 +114,7 @@ class EnvironmentSettings:
 
     @cached_property
     def array(self) -> ArrayParameters:
-        """Parameters of the array, before anything is drawn: the scenario's with changes, or others in their place."""
+        """Parameters of the array, before anything is drawn: the scenario's with changes, or the given ones."""
         usual, given = SCENARIOS[self.scenario].parameters, self.parameters
         return given if isinstance(given, ArrayParameters) else usual.with_changes(given or {})
 
@@ -154,7 +156,7 @@ class EnvironmentSettings:
                 "index 0"
             )
         if self.torque_limit is None and self.devices.load_compensation:
-            # The maker of a drive that is to hold the springs' load chooses the motor by it.
+            # A drive that is to hold the springs' load has a motor chosen for that load.
             load, driven = max((spring_load(self.array, joint)[0], joint) for joint in task.driven_joints)
             usual_load, _ = spring_load(ArrayParameters(), 0)
             if load <= 0.0:
@@ -190,28 +192,28 @@ class EnvironmentSettings:
 
     @cached_property
     def conditions(self) -> dict[str, object]:
-        """Conditions of an episode beside its parameters, by name: equal where it can be gone on with."""
+        """Conditions of an episode beside its parameters, by name; a saved episode needs equal ones to go on."""
         known = {"model": str(self.level), "observation": self.observation_names, "reward": self.terms.prices}
         motors = task_numbers(self.task, self.devices, self.array).motors
         loads = {name: motors[name].tolist() for name in ("load", "load_slope")}
         return {**known, **vars(self.task), **vars(self.devices), **loads}
 
     def sensors(self, lanes: int) -> Sensors:
-        """The sensors of several arrays."""
+        """Return the sensors of several arrays."""
         lock_angles = [joint.lock_angle for joint in self.array.joints]
         return Sensors(lanes, lock_angles, self.entries, self.devices)
 
     def observation_space(self) -> gymnasium.Space[Any]:
-        """Space of one observation."""
+        """Return the space of one observation."""
         bounds = [(entry.observable.low, entry.observable.high) for entry in self.entries]
         return gymnasium.spaces.Box(*np.array(bounds, dtype=np.float32).T, dtype=np.float32)
 
     def action_space(self) -> gymnasium.Space[Any]:
-        """Space of one action."""
+        """Return the space of one action."""
         return gymnasium.spaces.Box(-1.0, 1.0, (len(self.task.driven_joints),), dtype=np.float32)
 
     def check_options(self, options: Changes | None, *known: str) -> Changes:
-        """The options of a reset; an unknown one is refused by a ValueError."""
+        """Return the options of a reset; an unknown option raises a ValueError."""
         if not isinstance(options, Mapping | None):
             raise ValueError(f"options = {options!r} must be a mapping of names to values")
         for name in options or {}:
@@ -219,9 +221,9 @@ class EnvironmentSettings:
         return options or {}
 
     def check_changes(self, changes: Changes) -> None:
-        """Refuse changes for one episode, by a ValueError.
+        """Raise a ValueError for changes that an episode cannot have.
 
-        They would change the structure, or no array can have them, with whatever values are drawn beside.
+        Such changes alter the structure, or no array can have them together with the values that are drawn.
         """
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
@@ -237,9 +239,9 @@ class EnvironmentSettings:
                 )
 
     def draw(self, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
-        """Parameters of one episode: some drawn, then some changed."""
+        """Draw the parameters of one episode, and then apply `changes`."""
         return self.array.with_changes({**drawn(self.ranges, generator), **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:
-        """A folded array at rest."""
+        """Return a simulation of the folded array at t = 0."""
         return Simulation(build(parameters, self.level), self.integrator)

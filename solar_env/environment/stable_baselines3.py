@@ -18,15 +18,15 @@ class NativeVecEnv(VecEnv):
     """All environments of a Stable-Baselines3 algorithm in one process, with one compiled call per thread.
 
     The end of an episode is reported as by `DummyVecEnv`: `terminal_observation` and `TimeLimit.truncated` are in its
-    last info, while the observation is already the first of the next episode. Episodes, seeds and actions being equal,
-    everything returned equals that of `DummyVecEnv`, bit for bit.
+    last info, while the observation is already the first of the next episode. With equal episodes, seeds and actions,
+    everything returned equals `DummyVecEnv`'s results, bit for bit.
 
     Args:
         num_envs: Number of lanes.
         env_id: Environment id.
-        env_kwargs: Keywords of the vector environment, such as `num_threads` and those of the single one.
-        first_seed: Seed of lane 0, to which the others add their number, of every reset: the same episodes again and
-            again; None: seeds are those of the algorithm.
+        env_kwargs: Keywords of the vector environment, such as `num_threads`, and of the single environment.
+        first_seed: Seed of lane 0 at every reset, to which the other lanes add their number: the same episodes again
+            and again; None takes the algorithm's seeds.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes with the seeds and options set before, used once, or with the seeds of every reset."""
+        """Begin new episodes with the seeds and options set before, which are used once, or with `first_seed`."""
         if self._first_seed is not None:
             self.seed(self._first_seed)
         seeds: Any = self._seeds
@@ -63,7 +63,7 @@ class NativeVecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Advance all lanes; returns (observations, rewards as float32, dones, infos)."""
+        """Advance all lanes, and return (observations, rewards as float32, dones, infos)."""
         observations, rewards, terminations, truncations, infos = self._with_lists.step(self._actions)
         dones = terminations | truncations
         told: list[Info] = list(infos)

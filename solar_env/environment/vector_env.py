@@ -38,11 +38,11 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
     Args:
         num_envs: number of lanes.
-        max_episode_steps: control periods after which an episode is truncated; None for none.
+        max_episode_steps: control periods after which an episode is truncated; None never truncates.
         autoreset_mode: a `gymnasium.vector.AutoresetMode`, or its value.
         num_threads: most threads; by default as many as there are processors for this process.
-        keywords: those of `solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a
-            sequence with an entry for every lane.
+        keywords: see `solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a sequence with an
+            entry for every lane.
     """
 
     closed = True  # until there is something to close: Gymnasium closes a vector that was refused, too
@@ -56,7 +56,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         num_threads: int | None = None,
         **keywords: Any,
     ) -> None:
-        """See the class, and `SolarArrayEnv` for what is refused."""
+        """See the class, and `SolarArrayEnv` for refused values."""
         counts = {"num_envs": num_envs, "max_episode_steps": max_episode_steps, "num_threads": num_threads}
         for name, number in counts.items():
             if number is not None and not is_whole_number(plain(number), 1):
@@ -102,7 +102,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         """Fold the arrays and draw their parameters.
 
         Args:
-            seed: of lane 0, the others have those that follow; or one by lane; None continues the sequences.
+            seed: seed of lane 0, while lane i has seed + i; or a seed by lane; None continues the sequences.
             options: {"parameters": {name: value}} changes parameters for this episode, in all lanes alike or, as a
                 sequence of such mappings, by lane; {"reset_mask": (num_envs,) bool} resets some lanes only.
 
@@ -146,8 +146,8 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
     def step(self, actions: Actions) -> Results:
         """Hold the actions (num_envs, 1) for one control period.
 
-        Raises, Warns: as `SolarArrayEnv.step`, but no SimulationError; ResetNeeded where an episode has ended with
-            autoreset disabled alone.
+        Raises, Warns: as `SolarArrayEnv.step`, but no SimulationError; ResetNeeded only where an episode has ended and
+            autoreset is disabled.
         """
         given = checked_actions(actions, (self.num_envs, len(self.task.driven_joints)))
         episodes, lanes = self.episodes, self._all_lanes
@@ -177,7 +177,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             return episodes.observations.copy(), rewards, terminations, truncations, infos
 
     def _infos(self) -> Info:
-        """Information of all lanes, with the masks of `gymnasium.vector`."""
+        """Return the information of all lanes, with the masks of `gymnasium.vector`."""
         terms = dict(zip(self.reward.names, self.episodes.terms.T.copy(), strict=True))
         told: Info = {"time_s": self.episodes.times, "reward_terms": terms}
         for values in (told["reward_terms"], told):
@@ -185,7 +185,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         return told
 
     def _end_episodes(self, lanes: NDArray[np.int64], last: Mapping[int, Info], infos: Info) -> None:
-        """Add the information of last steps of episodes, and begin the next ones if that is to be in the same step."""
+        """Add the information of the last steps of episodes; with SAME_STEP also begin the next episodes."""
         episodes = self.episodes
         if self.autoreset_mode is not AutoresetMode.SAME_STEP:
             for lane, told in last.items():
@@ -199,7 +199,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             self._add_info(infos, episodes.info(lane), lane)
 
     def lane(self, lane: int) -> "Lane":
-        """One lane as a single environment."""
+        """Return one lane as a single environment."""
         return Lane(self, range(self.num_envs)[lane])
 
     def render(self) -> tuple[NDArray[np.uint8] | None, ...]:  # type: ignore[override]
@@ -212,7 +212,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
 
 def _settings_by_lane(keywords: Mapping[str, Any], lanes: int) -> list[EnvironmentSettings]:
-    """The settings of every lane, whose arrays have one structure."""
+    """Return the settings of every lane, whose arrays have one structure."""
     given = _by_lane("parameters", keywords.get("parameters"), lanes)
     found = {id(entry): EnvironmentSettings.of({**keywords, "parameters": entry}) for entry in given}
     settings = [found[id(entry)] for entry in given]
@@ -223,7 +223,7 @@ def _settings_by_lane(keywords: Mapping[str, Any], lanes: int) -> list[Environme
 
 
 def _by_lane(name: str, given: object, lanes: int) -> list[Any]:
-    """An entry for each lane: those of a sequence, or one and the same."""
+    """Return an entry for each lane: the entries of a sequence, or one value for all lanes."""
     entries = list(given) if isinstance(given, (Sequence, np.ndarray)) else [given] * lanes
     if len(entries) != lanes:
         raise ValueError(f"{name} has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
@@ -231,7 +231,7 @@ def _by_lane(name: str, given: object, lanes: int) -> list[Any]:
 
 
 class Lane:
-    """One lane as the single environment that it stands for: the lane's attributes, and those of the whole vector."""
+    """One lane as a single environment, with the lane's attributes and the attributes of the whole vector."""
 
     def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
         self._env, self._index = env, index
@@ -250,7 +250,7 @@ class Lane:
 
     @property
     def simulation(self) -> Simulation:
-        """As that of a single environment."""
+        """Simulation of the lane, as in a single environment."""
         return self._env.episodes.batch.simulations[self._index]
 
     @property
@@ -259,13 +259,13 @@ class Lane:
         return self._env.episodes.parameters[self._index]
 
     def save_episode(self) -> SavedEpisode:
-        """The present episode, to be gone on with by `restore_episode`, here or in a lane of an equal vector."""
+        """Return the present episode; `restore_episode` goes on with it, here or in a lane of an equal vector."""
         if self._env.episodes.terminated[self._index]:
             raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
         return self._env.episodes.save(self._index)
 
     def restore_episode(self, saved: SavedEpisode) -> NDArray[np.float32]:
-        """Go on with a saved episode, see `Episodes.restore`; returns what was observed last (entries,)."""
+        """Go on with a saved episode, see `Episodes.restore`; return the last observation (entries,)."""
         env, lane = self._env, self._index
         env.episodes.restore(lane, saved)
         env._ended[lane] = False

@@ -10,16 +10,16 @@ from PIL import Image, ImageDraw, ImageFont
 
 from solar_env.support.files import write_bytes, writing
 
-CAPTION, FRAMES_PER_SECOND = 28, 10.0  # height of a name [pixels], and frames a second
+CAPTION, FRAMES_PER_SECOND = 28, 10.0  # height of a caption [pixels], and frames per second
 
 
 def write_gif(images: Sequence[Image.Image], path: Path, rate: float) -> None:
-    """Write images as a GIF that plays for ever, at so many a second; whole or not at all.
+    """Write images as a GIF that plays for ever, at `rate` images per second; whole or not at all.
 
     Raises:
         OSError: the file cannot be written.
     """
-    # The usual choice of 64 colours goes by area, and lets the small arrows of forces go; an octree keeps them.
+    # The usual choice of 64 colours goes by area, and loses the small arrows of forces; an octree keeps them.
     few = [image.convert("RGB").quantize(64, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE) for image in images]
     timing = {"duration": round(1000 / rate), "loop": 0}
     with writing(path) as file:
@@ -27,7 +27,7 @@ def write_gif(images: Sequence[Image.Image], path: Path, rate: float) -> None:
 
 
 def captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
-    """A frame in the film's width, under a name."""
+    """Return a frame in the film's width, under a name."""
     image = Image.fromarray(frame)
     height = round(width * image.height / image.width)
     shown = Image.new("RGB", (width, CAPTION + height), "white")
@@ -37,7 +37,7 @@ def captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
 
 
 def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
-    """Write films as one, one above the other; a film that ends first stays on its last frame."""
+    """Write films as one film, one above the other; a film that ends first stays on its last frame."""
     width, height = films[0][0].size
     frames = []
     for k in range(max(map(len, films))):
@@ -59,7 +59,7 @@ def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
 
 
 def encoder() -> ModuleType:
-    """The library that writes MP4; a ValueError where it is not installed."""
+    """Return the library that writes MP4; a library that is not installed raises a ValueError."""
     try:
         import imageio_ffmpeg
     except ImportError as error:

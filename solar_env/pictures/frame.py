@@ -23,9 +23,9 @@ LATCHED = "#1a7f37"
 CARDS = ((12, 12, 616, 326), (12, 338, 616, 528), (628, 12, 948, 528))
 ARRAY_BOX, FORCE_BOX, BEARING_BOX = (18, 58, 610, 306), (62, 370, 602, 500), (640, 50, 814, 520)
 
-JOURNAL_SHARE = 0.72  # drawn journal radius / drawn bearing radius; what is left stands for the clearance
+JOURNAL_SHARE = 0.72  # drawn journal radius / drawn bearing radius; the rest stands for the clearance
 # The spacecraft turns against the unfolding panels, by 2 degrees with one panel and 20 with eight.
-TILT, SWAY = math.radians(22.0), math.radians(3.0)  # room in the view, with that turn and against it
+TILT, SWAY = math.radians(22.0), math.radians(3.0)  # room in the view for that turn, and against it
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +40,9 @@ class Scene:
         eccentricity: journal centre minus bearing centre, (nj, 2) [m].
         clearance: radial clearance, (nj,) [m]; 0 for an ideal joint.
         in_contact: whether the journal presses on the bearing, (nj,) bool.
-        normal_force: contact force; of an ideal joint the joint force, (nj,) [N].
+        normal_force: contact force, or joint force of an ideal joint, (nj,) [N].
         latched: (nj,) bool.
-        motor_torques: of every motor [N m].
+        motor_torques: torque of every motor [N m].
         force_times: instants of the force history, ascending, (n,) [s].
         force_history: forces at those instants, (n, nj) [N].
         wings: number of wings, whose panels follow each other.
@@ -64,7 +64,7 @@ class Scene:
 
 
 class Canvas:
-    """A frame that is drawn enlarged, and reduced so that its edges are smooth. Coordinates are its pixels, y down."""
+    """A frame that is drawn enlarged, and then reduced for smooth edges. Coordinates are the frame's pixels, y down."""
 
     def __init__(self, image: Image.Image) -> None:
         self.image = image
@@ -87,7 +87,7 @@ class Canvas:
         self._pen.circle(_enlarged(np.reshape(centre, (1, 2)))[0], radius * SUPERSAMPLING, fill=colour)
 
     def arrow(self, tail: Array, tip: Array, colour: str, width: float) -> None:
-        """Draw an arrow with a filled head; nothing if it has no length."""
+        """Draw an arrow with a filled head; draw nothing for an arrow without length."""
         length = math.hypot(*(tip - tail))
         if length == 0.0:
             return
@@ -109,16 +109,16 @@ def _enlarged(points: ArrayLike) -> list[tuple[float, float]]:
 
 @cache
 def _font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Pillow's typeface: ASCII and little more, but the same on every machine."""
+    """Return Pillow's typeface: ASCII and little more, but the same on every machine."""
     return ImageFont.load_default(size)
 
 
 class Renderer:
-    """Draws the scenes of one deployment into frames, with one fixed view.
+    """A renderer that draws the scenes of one deployment into frames, with one fixed view.
 
     Args:
-        initial: the folded array. The view is chosen so that it and the deployed array fit in, with room
-            for the spacecraft's turn under the reaction.
+        initial: the folded array. The view has room for the folded and the deployed array, and for the spacecraft's
+            turn under the reaction.
         duration: right end of the time axis [s].
     """
 
@@ -144,18 +144,18 @@ class Renderer:
         return np.array(canvas.image.reduce(SUPERSAMPLING))
 
     def place(self, points: ArrayLike) -> Array:
-        """Pixels (..., 2) of points (..., 2) of the plane [m]."""
+        """Return the pixels (..., 2) of points (..., 2) of the plane [m]."""
         return self._middle + (np.asarray(points) - self._world_middle) * (self._scale, -self._scale)
 
     def bearing(self, joint: int) -> tuple[Array, float]:
-        """Centre (2,) and inner radius of a magnified bearing [pixels]."""
+        """Return the centre (2,) and inner radius of a magnified bearing [pixels]."""
         left, top, right, bottom = BEARING_BOX
         share = (bottom - top) / max(self._shown, 2)
         outer = min(share - 10.0, right - left) / 2
         return np.array([left + outer, (top + bottom) / 2 + (joint - (self._shown - 1) / 2) * share]), 0.84 * outer
 
     def force_place(self, times: ArrayLike, forces: ArrayLike) -> Array:
-        """Pixels (..., 2) of forces [N] at times [s]; forces beyond the scale lie at its ends."""
+        """Return the pixels (..., 2) of forces [N] at times [s]; forces beyond the scale lie at its ends."""
         left, top, right, bottom = FORCE_BOX
         x, y = np.broadcast_arrays(np.asarray(times) / self._duration, _force_share(forces))
         return np.stack([left + x * (right - left), bottom - y * (bottom - top)], axis=-1)
@@ -248,7 +248,7 @@ class Renderer:
 
 
 def _extent(folded: Scene) -> tuple[Array, Array]:
-    """Lower left and upper right corner (2,) [m] of a view that holds the array from folded to deployed."""
+    """Return lower left and upper right corner (2,) [m] of a view that holds the array from folded to deployed."""
     centre, hinge = folded.main_body.mean(axis=0), folded.hinges[0]
     dx, dy = folded.panels[0][-1] - folded.panels[0][0]  # along the side that folded panels hinge on
     outward = np.array([-dy, dx]) / math.hypot(dx, dy)
@@ -265,19 +265,19 @@ def _extent(folded: Scene) -> tuple[Array, Array]:
 
 
 def _force_share(forces: ArrayLike) -> Array:
-    """Place of forces [N] on the logarithmic scale, from 0 to 1."""
+    """Return the place of forces [N] on the logarithmic scale, from 0 to 1."""
     low, high = FORCE_DECADES
     return (np.log10(np.clip(forces, 10.0**low, 10.0**high)) - low) / (high - low)
 
 
 def _tick_spacing(duration: float) -> float:
-    """Spacing [s] of four to ten round ticks."""
+    """Return the spacing [s] of four to ten round ticks."""
     power = 10.0 ** math.floor(math.log10(duration / 8.0))
     return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= duration / 8.0)
 
 
 def _crosswise(segment: Array) -> Array:
-    """Four unit vectors (4, 2), y down, along and across the first segment of a polyline (k, 2), y up."""
+    """Return the four unit vectors (4, 2), y down, along and across the first segment of a polyline (k, 2), y up."""
     dx, dy = segment[1] - segment[0]
     along, across = np.array([(dx, -dy), (dy, dx)]) / math.hypot(dx, dy)
     return np.array([along, across, -along, -across])

@@ -22,7 +22,7 @@ STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "gravity"
 PUT_IN = ("motor_work", "cable_work", "external_work")
 DISSIPATED = ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
 
-# Of the energies put in, then of what is dissipated, all of it and in the panels' material.
+# Colours of energies: stored, put in, dissipated in all, and dissipated in the panels' material.
 ENERGY_COLOURS = (*COLOURS[:7], GREY, BROWN, VIOLET, "black", "black")
 
 
@@ -30,17 +30,17 @@ def plot_deployment(trajectory: Trajectory, path: str | Path, deflections: NDArr
     """Write one figure of a deployment: motion, forces, energies and wear.
 
     Against time: angles with the latch times dotted, contact force of each joint (samples, and each contact's
-    peak as a stem; of an ideal joint the joint force), latch and cable torques, deflections of flexible panels,
-    energies and the residual of their balance. Of each joint with clearance also the path of the journal in the
+    peak as a stem; the joint force for an ideal joint), latch and cable torques, deflections of flexible panels,
+    energies and the residual of their balance. For each joint with clearance also the path of the journal in the
     bearing and the wear round both surfaces.
 
     Args:
-        trajectory: of any number of joints.
+        trajectory: the deployment, with any number of joints.
         path: file to write; its suffix, .pdf, .png or .svg, chooses the format.
-        deflections: (nt, panels) of the panels' middles from their chords [m]; None leaves them out.
+        deflections: (nt, panels) deflections of the panels' middles from their chords [m]; None leaves them out.
 
     Raises:
-        ValueError: the suffix is none of these.
+        ValueError: Matplotlib does not write the suffix's format.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -84,7 +84,7 @@ def _draw_histories(figure: Any, trajectory: Trajectory, deflections: NDArray[np
 
 
 def _conclusion(trajectory: Trajectory) -> str:
-    """Model, when its joints latched, and the greatest force after that."""
+    """Return a title: the model, the time of the last latching, and the greatest force after that."""
     model = trajectory.metadata["model"]
     latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
     if len(latched) == 0:

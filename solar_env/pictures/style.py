@@ -1,8 +1,8 @@
 """Style of all figures: the style sheet, and one fixed look for every joint, method, level, controller and
 class of a stability map.
 
-A look is what Matplotlib's `plot` takes: colour, marker and line. Colours are those of M. Okabe and K. Ito, Color
-Universal Design (2008), which colour-blind readers tell apart, and a few more.
+A look is colour, marker and line, as Matplotlib's `plot` takes them. Colours come from M. Okabe and K. Ito, Color
+Universal Design (2008), which colour-blind readers tell apart; a few more are added.
 """
 
 from collections.abc import Mapping, Sequence
@@ -73,7 +73,7 @@ LEVEL_LOOKS: Mapping[str, Look] = {
     "32 modes, rtol / 2": _look("#c9a0dc", "8"),
     "32 modes, rtol / 4": _look("#a06cc0", "1"),
     "48 modes, rtol / 10": _look(VIOLET, "2"),
-    # Of short plans.
+    # Looks of short plans.
     "8 modes, rtol / 2": _look(PURPLE, "3"),
 }
 CONTROLLER_LOOKS: Mapping[str, Look] = {
@@ -105,12 +105,12 @@ OUTCOME_COLOURS: Mapping[str, str] = {
     "blow-up": "#882255",
     "refused": "#9a9fa5",
 }
-# Of controllers without a row, as those of training runs.
+# Looks of controllers without a row, such as training runs.
 _OTHERS = (_look("#ff5fa2", "h"), _look("#6b8e23", "2"), _look("#a05fff", "8"), _look("#3d3d8f", "4"))
 
 
 def look_of(name: str, looks: Mapping[str, Look]) -> Look:
-    """The look of a name in one of the tables of this module.
+    """Return the look of a name in one of the tables of this module.
 
     Raises:
         ValueError: the table has no such name.
@@ -121,11 +121,11 @@ def look_of(name: str, looks: Mapping[str, Look]) -> Look:
 
 
 def controller_looks(names: Sequence[str]) -> dict[str, Look]:
-    """Looks of the controllers of one figure.
+    """Return the looks of the controllers of one figure.
 
-    A controller has its row of `CONTROLLER_LOOKS`, one that is named after another ("cma-es-rigid") the row of that, a
-    search around another controller ("receding-horizon:servo") that of the search; when that is taken, and for training
-    runs under other names, the next of some spare looks.
+    A controller has its row of `CONTROLLER_LOOKS`. A controller named after another one ("cma-es-rigid") has the other
+    one's row, a search around another controller ("receding-horizon:servo") the search's row. If that row is taken, and
+    for training runs under other names, the controller has the next of some spare looks.
     """
     looks = {name: CONTROLLER_LOOKS[name] for name in names if name in CONTROLLER_LOOKS}
     taken, spare = list(looks.values()), list(_OTHERS)

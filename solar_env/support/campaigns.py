@@ -1,6 +1,6 @@
 """Many independent simulations: on several processes, and resumed where they were interrupted.
 
-`each_done` hands simulations to joblib; a campaign is a set of them whose results a file keeps as they come.
+`each_done` hands simulations to joblib; a campaign is a set of simulations whose results a file keeps as they come.
 """
 
 import hashlib
@@ -30,12 +30,12 @@ def each_done(
 ) -> Iterator[tuple[Task, Result]]:
     """Call `function` for every task, and yield each task with its result as it is done.
 
-    With one job everything happens in this process and in order.
+    With one worker everything happens in this process and in order.
 
     Args:
-        function: at the top of a module, like its results something that can be pickled.
-        tasks: its arguments.
-        workers: number of processes; -1 for one a processor.
+        function: defined at the top of a module; the function and its results can be pickled.
+        tasks: arguments of the function.
+        workers: number of processes; -1 for one per processor.
 
     Raises:
         Exception: whatever `function` raises.
@@ -44,8 +44,8 @@ def each_done(
     with starting_workers():
         results = Parallel(n_jobs=workers, return_as="generator_unordered")(calls)
     with warnings.catch_warnings():
-        # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in another
-        # thread. Made an error, by a filter, the warning would end this thread, and results would never come.
+        # Joblib replaces a worker whose memory has grown, which loading kernels causes, and warns in another thread.
+        # If a filter made that warning an error, the thread would end, and results would never come.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         yield from results
 
@@ -61,11 +61,11 @@ class Campaign:
     that were made by anything else are refused, not mixed.
 
     Args:
-        function: from a cell to a result that JSON keeps; at the top of a module.
-        cells: arguments; mappings that JSON keeps, no two alike.
+        function: computes from a cell a result that JSON can store; defined at the top of a module.
+        cells: arguments of the function: mappings that JSON can store, no two alike.
         store: file of the results.
-        settings: what else the results hang on.
-        admits: whether something in the file can be a result.
+        settings: everything else that the results depend on.
+        admits: returns whether a value in the file can be a result.
 
     Raises:
         ValueError: if the file belongs to another campaign or is damaged.
@@ -109,7 +109,7 @@ class Campaign:
         return tuple(cell for key, cell in self.cells.items() if key not in self._results)
 
     def run(self, workers: int = 1) -> Iterator[Cell]:
-        """Do what is missing, and yield each cell when its result is in the file."""
+        """Compute the missing results, and yield each cell when its result is in the file."""
         with self._store.open("a", encoding="utf-8") as file, keeping(self._kept):
             for cell, result in each_done(self._function, self.missing, workers):
                 try:
@@ -122,7 +122,7 @@ class Campaign:
                 yield cell
 
     def run_shown(self, workers: int, console: Console, cells: str) -> list[Any]:
-        """Do what is missing under a bar that says what `cells` are; returns the results of all cells."""
+        """Compute the missing results under a bar with the text `cells`, and return the results of all cells."""
         with counting_bar(console) as bar:
             task = bar.add_task(cells, total=len(self.cells), completed=len(self.cells) - len(self.missing))
             for _ in self.run(workers):
@@ -134,17 +134,17 @@ class Campaign:
         return f"kept {done} of {total} results in {self._store}; the same command goes on from there"
 
     def results(self) -> list[Any]:
-        """The results of all cells, in their order, once none is missing."""
+        """Return the results of all cells, in their order, once every cell is done."""
         return [self._results[key] for key in self.cells]
 
     def result(self, cell: Cell) -> Any:
-        """The result of a cell that is done."""
+        """Return the result of a cell that is done."""
         return self._results[_key(cell)]
 
 
 @cache
 def _code_digest() -> str:
-    """Hash of the package's sources and of the versions of what computes for it."""
+    """Hash the package's sources and the versions of the libraries that compute for it."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.parent.rglob("*.py")):
         digest.update(path.read_bytes())

@@ -20,7 +20,7 @@ PART = ".part"  # end of the names of unfinished files and folders
 def writing(path: str | Path) -> Iterator[IO[bytes]]:
     """Open a binary file, to be written and read, that becomes `path` when the block ends without an exception.
 
-    A link is followed. What is no regular file, such as `/dev/stdout`, is written directly.
+    A link is followed. Anything but a regular file, such as `/dev/stdout`, is written directly.
 
     Raises:
         OSError: the file cannot be written; what was at `path` is still there.
@@ -40,7 +40,7 @@ def writing(path: str | Path) -> Iterator[IO[bytes]]:
             shutil.copymode(target, beside)
         beside.replace(target)
     except BaseException as error:
-        if isinstance(error, OSError) and error.filename in (None, str(beside)):  # the system names none as it writes
+        if isinstance(error, OSError) and error.filename in (None, str(beside)):  # failed writes name no file
             error.filename = str(target)
         with suppress(OSError):
             beside.unlink()
@@ -80,7 +80,7 @@ def save_figure(figure: Any, path: str | Path, **options: object) -> None:
 
 
 def make_folder(path: str | Path) -> Path:
-    """Make a folder with its parents, and try that files can be written there: to be called before the work.
+    """Make a folder with its parents, and test that files can be written there; call this before the work.
 
     Raises:
         OSError: it cannot be made, or no file can be written there.
@@ -92,11 +92,11 @@ def make_folder(path: str | Path) -> Path:
 
 
 def check_target(path: str | Path, suffixes: Sequence[str] = ()) -> None:
-    """Check that a file can be written at `path`, and that its name ends in one of `suffixes`: before the work.
+    """Check that a file can be written at `path`, with one of `suffixes`; call this before the work.
 
     Raises:
-        ValueError: the suffix is another, the folder does not exist, or `path` is one.
-        OSError: no file can be written there, or have this name.
+        ValueError: the suffix is another one, the folder does not exist, or `path` is a folder.
+        OSError: no file can be written there, or the name is not allowed.
     """
     target = Path(path)
     if suffixes and target.suffix.lower() not in suffixes:

@@ -14,7 +14,7 @@ EXIT_STATUS = 130  # 128 + SIGINT, as shells have it
 
 @contextmanager
 def keeping(kept: Callable[[], str]) -> Iterator[None]:
-    """Let Ctrl-C within the block, or a disk that is full, say what was kept, in the words of `kept`."""
+    """Add a note, which `kept` returns and which says what was kept, to a Ctrl-C or a full disk within the block."""
     try:
         yield
     except (KeyboardInterrupt, OSError) as stop:
@@ -23,10 +23,10 @@ def keeping(kept: Callable[[], str]) -> Iterator[None]:
 
 
 def report_interruption(stop: KeyboardInterrupt) -> int:
-    """Say in one line what was kept, by the notes of an interruption; returns the exit status."""
-    # Libraries end their processes at the exit of this one.
+    """Print the notes of an interruption, which say what was kept, in one line; return the exit status."""
+    # A second Ctrl-C must not disturb libraries, which end their processes when this one exits.
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
-    # Python's last collections would go over all that PyTorch and the compiler have loaded: seconds under load.
+    # On exit Python would collect all objects of PyTorch and the compiler once more, which takes seconds under load.
     atexit.register(gc.freeze)
     print("; ".join(["interrupted", *getattr(stop, "__notes__", ())]), file=sys.stderr)
     return EXIT_STATUS
@@ -34,7 +34,7 @@ def report_interruption(stop: KeyboardInterrupt) -> int:
 
 @contextmanager
 def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[None]:
-    """Answer Ctrl-C by `handler` within the block; in other threads than the main one, which hear none, as before."""
+    """Answer Ctrl-C by `handler` within the block; only the main thread hears Ctrl-C, so other threads skip this."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -49,8 +49,8 @@ def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[Non
 def hearing() -> Iterator[None]:
     """Let Ctrl-C end the block wherever it comes.
 
-    Where C has called Python, as compilers do, its exception is lost: it is raised again, and an error that comes of
-    the lost one is replaced.
+    Where C code has called Python, as compilers do, the KeyboardInterrupt is lost. It is then raised again, and takes
+    the place of an error that the lost one has caused.
     """
     heard: list[object] = []
     timers: list[threading.Timer] = []
@@ -84,9 +84,9 @@ def hearing() -> Iterator[None]:
 
 @contextmanager
 def deaf() -> Iterator[None]:
-    """Hear Ctrl-C only at the end of the block, for what must not be torn.
+    """Delay Ctrl-C to the end of the block, for work that must not be cut in two.
 
-    A mask of signals would not do: it is one thread's, and the system gives Ctrl-C to any other thread of the process.
+    A mask of signals would not do: a mask is one thread's, and the system gives Ctrl-C to any other thread instead.
     """
     heard: list[object] = []
     try:
@@ -99,9 +99,9 @@ def deaf() -> Iterator[None]:
 
 @contextmanager
 def starting_workers() -> Iterator[None]:
-    """Let processes that start within the block ignore Ctrl-C for good, which reaches all processes of a terminal.
+    """Let processes that start within the block ignore Ctrl-C for good.
 
-    It is for their parent to answer, though not within the block.
+    Ctrl-C reaches all processes of a terminal. The parent answers it, though not within the block.
     """
     with _answering(signal.SIG_IGN):
         yield

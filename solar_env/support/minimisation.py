@@ -23,7 +23,7 @@ def minimise(
     `spread` the standard deviation of the first one in each direction. Returns the start, the best point seen, and the
     final mean of the search; a ValueError says that the budget holds no generation.
     """
-    # Left to itself pycma draws from NumPy's global generator, which a training in between seeds anew.
+    # By default pycma draws from NumPy's global generator, which a training run in between seeds anew.
     normal = np.random.RandomState(seed + 1).randn
     options = {"bounds": [0, 1], "seed": np.nan, "randn": normal, "verbose": -9}
     search = cma.CMAEvolutionStrategy(start, spread, options)

@@ -18,13 +18,13 @@ def read_arrays(
     """Read the arrays of an npz file.
 
     Args:
-        path: of the file.
-        admits: whether an array of this name belongs there.
-        most_bytes: of all arrays together; more are not inflated.
+        path: the npz file.
+        admits: returns whether an array of this name belongs in the file.
+        most_bytes: greatest size of all arrays together; larger files are not inflated.
 
     Raises:
         OSError: the file cannot be opened.
-        ValueError: it is no npz file, is damaged, holds something else than plain arrays, or is too large.
+        ValueError: the file is no npz file, is damaged, holds anything but plain arrays, or is too large.
     """
     with open(path, "rb") as file:
         try:
@@ -36,16 +36,16 @@ def read_arrays(
                 if size > most_bytes:
                     raise ValueError(f"it holds {size:,} bytes, more than the {most_bytes:,} that are read")
                 return {name: np.asarray(archive[name]) for name in archive.files}
-        except Exception as error:  # whatever the readers make of bytes that no writer wrote
+        except Exception as error:  # readers raise errors of all kinds for bytes that no writer wrote
             raise ValueError(_sentence(error)) from error
 
 
 def read_at_most(path: str | Path, most_bytes: int) -> bytes:
-    """Read a file that is no longer than `most_bytes`, which may have no end.
+    """Read a file of at most `most_bytes`; a longer file, even an endless one, is refused.
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is longer; the message names it.
+        ValueError: the file is longer; the message names the file.
     """
     with open(path, "rb") as file:
         content = file.read(most_bytes + 1)
@@ -59,7 +59,7 @@ def read_json(path: str | Path) -> Any:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is no JSON, nested too deeply, or too large; the message names the file.
+        ValueError: the file is no JSON, nested too deeply, or too large; the message names the file.
     """
     content = read_at_most(path, _LONGEST_JSON)
     try:
@@ -69,7 +69,7 @@ def read_json(path: str | Path) -> Any:
 
 
 def parse_json(content: str | bytes) -> Any:
-    """Parse JSON; raises a ValueError where it is none, or nested too deeply."""
+    """Parse JSON; a text that is no JSON, or is nested too deeply, raises a ValueError."""
     try:
         return json.loads(content)
     except (ValueError, RecursionError) as error:

@@ -1,4 +1,4 @@
-"""Signs of life of a command: how far it is, by a bar in a terminal and nothing in the log of a job, and tables."""
+"""Progress of a command, as a bar in a terminal and nothing in the log of a job; tables in a terminal."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +11,7 @@ _NARROWEST = 140  # characters, where the output is not a terminal
 
 
 def counting_bar(console: Console) -> Progress:
-    """A bar with the number of things done, the time taken and what is in hand; it vanishes at the end."""
+    """Return a bar with the number of things done, the time taken and the present task; the bar vanishes at the end."""
     columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
     shown = console if console.is_interactive else Console(quiet=True)
     return Progress(*columns, console=shown, transient=True)
@@ -19,7 +19,7 @@ def counting_bar(console: Console) -> Progress:
 
 @contextmanager
 def stage(console: Console, text: str) -> Iterator[None]:
-    """Say what takes a while and cannot be counted: in a terminal as long as it lasts, else in a line."""
+    """Name a task that takes a while and cannot be counted: in a terminal while the task lasts, otherwise in a line."""
     if not console.is_interactive:
         console.print(text, highlight=False, markup=False, soft_wrap=True)
     with console.status(text):
@@ -27,12 +27,12 @@ def stage(console: Console, text: str) -> Iterator[None]:
 
 
 def print_markdown(text: str) -> None:
-    """Print Markdown as it reads, drawn for the width of `wide_console`."""
+    """Print Markdown as formatted text, in the width of `wide_console`."""
     wide_console().print(Markdown(text))
 
 
 def wide_console() -> Console:
-    """A console for wide tables: as wide as the terminal, or 140 characters where there is none."""
+    """Return a console for wide tables: as wide as the terminal, or at least 140 characters without a terminal."""
     console = Console()
     if not console.is_terminal:
         console.width = max(console.width, _NARROWEST)

@@ -1,4 +1,4 @@
-"""README pages of the studies: where they lie, and the sections of them that commands write."""
+"""README pages of the studies: their folder, and the sections of the pages that commands write."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +11,7 @@ STUDIES = PACKAGE / "studies"
 
 @dataclass(frozen=True)
 class Section:
-    """Part of a page between two lines of comment, which one command writes.
+    """A part of a page, between two lines of comment, that one command writes.
 
     Attributes:
         page: the README.md file.
@@ -24,7 +24,7 @@ class Section:
     command: str
 
     def _split(self) -> tuple[str, str, str]:
-        """The page up to the section, the section, and the rest of the page."""
+        """Return the page up to the section, the section, and the rest of the page."""
         begin, end = f"<!-- {self.name}: written by `{self.command}` -->", f"<!-- end of {self.name} -->"
         before, begins, rest = self.page.read_text(encoding="utf-8").partition(begin)
         within, ends, after = rest.partition(end)
@@ -33,7 +33,7 @@ class Section:
         return before + begin, within.strip(), end + after
 
     def read(self) -> str:
-        """The section's text, without the lines of comment.
+        """Return the section's text, without the lines of comment.
 
         Raises:
             ValueError: the page lacks one of the lines of comment.

@@ -21,17 +21,17 @@ _WANTED = {
 
 
 def is_number(value: Any) -> bool:
-    """Whether it is an int or a float of Python, as NumPy's float64 is; a bool is none."""
+    """Return whether a value is a Python int or float, as NumPy's float64 is; a bool does not count as a number."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def is_whole_number(value: object, least: int) -> bool:
-    """Whether it is an int of Python, no bool, and at least so large."""
+    """Return whether a value is a Python int, no bool, and not below `least`."""
     return isinstance(value, int) and not isinstance(value, bool) and value >= least
 
 
 def plain(value: object) -> Any:
-    """A value with Python's types in place of NumPy's, and tuples in place of lists."""
+    """Return a value with Python's types instead of NumPy's, and tuples instead of lists."""
     if isinstance(value, (np.generic, np.ndarray)):
         value = value.tolist()
     return tuple(plain(entry) for entry in value) if isinstance(value, (list, tuple)) else value
@@ -43,7 +43,7 @@ def check_types(record: Any) -> None:
     Whole numbers must not be negative, numbers be finite, and a tuple hold identifiers; a mapping may hold anything.
 
     Raises:
-        ValueError: A field does not; the message names the field, its value and what to give.
+        ValueError: a field holds something else; the message names the field, its value and what to give.
     """
     for name, annotation in get_type_hints(type(record)).items():
         kinds = get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
@@ -65,19 +65,19 @@ def _is_a(kind: type, value: Any) -> bool:
 
 
 def check_positive(name: str, value: Any, unit: str = "") -> None:
-    """Refuse what is no positive finite number, by a ValueError."""
+    """Raise a ValueError unless a value is a positive finite number."""
     if not (is_number(value) and 0.0 < value < math.inf):
         raise ValueError(f"{name} = {value!r}{unit} must be positive and finite")
 
 
 def check_name(kind: str, name: object, known: Iterable[str]) -> None:
-    """Refuse what is none of the known names, by a ValueError."""
+    """Raise a ValueError unless a name is one of the known names."""
     if not isinstance(name, str) or name not in known:
         raise ValueError(unknown_name(kind, name, known))
 
 
 def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
-    """A sentence that says that a name is unknown, and which known ones come close, or else all of them."""
+    """Return a sentence that a name is unknown, and that lists the known names that come close, or else all names."""
     names = list(known)
     close = difflib.get_close_matches(str(name), names, n=2)
     hint = f"did you mean {' or '.join(map(repr, close))}?" if close else f"choose from {', '.join(names)}"
@@ -85,10 +85,10 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
 
 
 def changed(kind: str, values: Values, changes: Mapping[str, object]) -> Values:
-    """A copy of a dataclass with some fields changed; the dataclass's checks refuse bad values.
+    """Return a copy of a dataclass with some fields changed; the dataclass's checks refuse bad values.
 
     Raises:
-        ValueError: if they are no mapping, a name is unknown, said of this kind of value, or a value is refused.
+        ValueError: if the changes are no mapping, a name is unknown (`kind` says of what), or a value is refused.
     """
     if not isinstance(changes, Mapping):
         raise ValueError(f"{kind}: {changes!r} must be a mapping of names to values")

@@ -1,11 +1,11 @@
-"""Versions of what results depend on, for the record."""
+"""Versions of the packages that results depend on, for the record."""
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
 
 def versions(*others: str) -> dict[str, str]:
-    """Versions of this package, of what computes for it, of `others`, and of Python."""
+    """Return the versions of Python, of this package, of the libraries that compute for it, and of `others`."""
     found = {"python": platform.python_version()}
     for name in ("solar-env", "numpy", "numba", "scipy", *others):
         try:

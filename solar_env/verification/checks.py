@@ -19,7 +19,7 @@ class Check:
     """A number obtained from the engine beside the value that theory or literature expects.
 
     Attributes:
-        quantity: what it is, with its unit.
+        quantity: name of the number, with its unit.
         expected: from theory, an independent calculation or a publication.
         obtained: from the engine.
         tolerance: greatest error that passes; absolute in the quantity's unit, or relative to `expected`.
@@ -44,19 +44,19 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within the tolerance; false for nan."""
+        """True if the error is within the tolerance; False for nan."""
         return math.isfinite(self.error) and bool(self.error <= self.tolerance)
 
 
 def compare(
     figures: Iterable[tuple[Any, ...]], quantity: str, tolerance: float | None, source: str, relative: bool = False
 ) -> Iterator[Check]:
-    """Checks that have a source in common.
+    """Yield checks that have a source in common.
 
     Args:
-        figures: name, expected and obtained number of each, and its tolerance where they have none in common.
-        quantity: of all of them, with {} for the name.
-        tolerance, source, relative: of `Check`.
+        figures: name, expected and obtained number of each check, and its tolerance where `tolerance` is None.
+        quantity: quantity of all checks, with {} for the name.
+        tolerance, source, relative: see `Check`.
     """
     for name, expected, obtained, *bounds in figures:
         bound = bounds[0] if tolerance is None else tolerance
@@ -64,7 +64,7 @@ def compare(
 
 
 def make_table(checks: Sequence[Check]) -> Table:
-    """Table for a terminal with a line for every check, under a heading for every case and one for every source."""
+    """Return the table for a terminal: a line for every check, under headings for every case and every source."""
     failed = sum(not check.passed for check in checks)
     title = f"{len(checks)} checks, {failed} failed" if failed else f"{len(checks)} checks, all passed"
     table = Table(title=title, caption="r: relative to the expected value", title_justify="left", box=box.SIMPLE)
@@ -94,7 +94,7 @@ def make_table(checks: Sequence[Check]) -> Table:
 
 
 def to_json(checks: Sequence[Check]) -> str:
-    """JSON text: whether all passed, and every check as an object; numbers that are not finite become null."""
+    """Return JSON that says whether all passed, with every check as an object; numbers not finite become null."""
     rows = []
     for check in checks:
         row = {**vars(check), "error": check.error, "passed": check.passed}

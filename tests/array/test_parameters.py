@@ -241,7 +241,7 @@ def test_fittings_and_tables_that_are_none_are_refused_by_name() -> None:
     for given in (5, ((0.0,),), ((0.0, 1.0), (1.0, 1.0)), ((1.0, 0.1), (0.0, 0.2)), ((0.0, math.nan), (4.0, 0.0))):
         with pytest.raises(ValueError, match=r"^harness_torque = "):
             ArrayParameters(harness_torque=given)
-    with pytest.raises(ValueError, match=r"release_after = 'joint 1': waits for itself"):
+    with pytest.raises(ValueError, match=r"release_after = 'joint 1': is a joint that waits for this one"):
         build(ArrayParameters(release_after=1))
 
 

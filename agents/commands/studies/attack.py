@@ -17,23 +17,23 @@ from solar_env.environment.episodes import Info
 from solar_env.environment.task.task import Task
 from solar_env.support.minimisation import minimise
 
-# A profile has `KNOTS` actions and, for the time before and the time after the first latch each, the share of the
-# greatest action with which it chatters, its half-period and its phase: numbers in [0, 1].
+# A profile has numbers in [0, 1]: `KNOTS` actions and then, for the time before and the time after the first latch, the
+# chatter's share of the greatest action, its half-period and its phase.
 KNOTS = 30
 NUMBERS = KNOTS + 2 * 3
 LONGEST_HALF_PERIOD = 4  # control periods
 
 OPTIONS = ("quick", "out")
-SEED = 0  # of the search and of its episodes
+SEED = 0  # seed of the search and of its episodes
 EPISODES, QUICK_EPISODES = 1920, 28
-KEYWORDS: dict[str, Any] = {}  # of the environment
+KEYWORDS: dict[str, Any] = {}  # keywords of the environment
 FILE = "attack.json"
 
 
 def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: Task) -> np.ndarray:
     """Return the actions (lanes,) of profiles (lanes, NUMBERS) at times (lanes,) [s].
 
-    `latched` (lanes,) says where a joint has latched.
+    `latched` (lanes,) is true where a joint has latched.
     """
     knots = np.linspace(0.0, task.deadline, KNOTS)
     steady = np.array([np.interp(t, knots, 2.0 * of[:KNOTS] - 1.0) for t, of in zip(times, profiles, strict=True)])
@@ -50,7 +50,7 @@ def passive_profile() -> np.ndarray:
 
 
 def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[Info]:
-    """Run an episode of each profile, at most one a lane; returns "return" and the figures of `info["deployment"]`."""
+    """Run an episode of each profile, at most one per lane; return "return" and the figures of `info["deployment"]`."""
     env, idle = env.unwrapped, env.num_envs - len(profiles)
     given = np.stack([*profiles, *[passive_profile()] * idle])
     env.reset(seed=[*seeds, *[0] * idle])
@@ -68,7 +68,7 @@ def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) 
 
 
 def run(args: Args) -> int:
-    """Search profiles of actions with chattering that the reward pays best, by CMA-ES, from actions of 0."""
+    """Search by CMA-ES, from actions of 0, for the profiles of chattering actions that the reward pays best."""
     folder, _ = args.folders("attack-on-reward")
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
     keywords = {**with_sampling(KEYWORDS), "autoreset_mode": AutoresetMode.DISABLED}

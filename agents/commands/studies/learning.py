@@ -25,8 +25,8 @@ LAWS = ("pd", "soft-start", "servo")
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 FIGURES = Path(__file__).parents[2] / "learning" / "figures"  # for the page agents/learning/README.md
 SEEDS = (0, 1, 2, 3, 4)
-# Environments by scene, and of each algorithm the steps and the environments stepped together: a quarter of an hour of
-# a core with rigid panels, an hour with flexible ones.
+# Environments by scene; then, by algorithm, the steps and the number of environments stepped together: a quarter of an
+# hour of a core with rigid panels, an hour with flexible panels.
 SCENES: dict[str, tuple[str, Keywords]] = {
     "rigid": (DEPLOY, dict(RIGID)),
     "rigid-randomised": (DEPLOY_RANDOMISED, dict(RIGID)),
@@ -37,15 +37,15 @@ LENGTHS = {"ppo": (100_000, 1), "sac": (30_000, 1), "tqc": (30_000, 1), "ars": (
 REFINED, BEFORE = "refined", "ppo"  # CMA-ES over the last layer of the best policy of each run of PPO
 LENGTHS[REFINED] = (60_000, 16)
 CASES = {f"{algo}-{scene}": (algo, scene) for algo in LENGTHS for scene in SCENES}
-QUICK_TIMESTEPS = 4096  # of one seed
-EPISODES = 20  # of a law
-PACE = "seconds_per_step.json"  # of a run folder, written when the run has ended
+QUICK_TIMESTEPS = 4096  # steps of the one seed of a quick run
+EPISODES = 20  # episodes of a law
+PACE = "seconds_per_step.json"  # file of a run folder, written when the run has ended
 
 
 def run(args: Args) -> int:
     """Train agents over five seeds and draw all learning curves; finished runs are not trained again.
 
-    Curves whose runs are not in the folder, since others trained them, stay as the table has them.
+    If the folder lacks a curve's runs, because others trained them, the curve stays as in the table.
     """
     cases = args.parts(list(CASES))
     out, figures = args.folders("learning", figures=FIGURES)
@@ -64,7 +64,7 @@ def run(args: Args) -> int:
 
 
 def _train_missing(args: Args, cases: list[str], out: Path) -> None:
-    wanted: dict[Path, runs.Configuration] = {}  # by folder
+    wanted: dict[Path, runs.Configuration] = {}  # configurations by run folder
     for case in cases:
         algo, scene = CASES[case]
         (timesteps, lanes), (env_id, keywords) = LENGTHS[algo], SCENES[scene]
@@ -78,7 +78,7 @@ def _train_missing(args: Args, cases: list[str], out: Path) -> None:
     missing = {folder: config for folder, config in wanted.items() if not (folder / PACE).is_file()}
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         task = bar.add_task("runs", total=len(wanted), completed=len(wanted) - len(missing))
-        for refined in (False, True):  # these begin with the others
+        for refined in (False, True):  # refined runs begin with the policies of others
             todo = [run for run in missing.items() if run[0].name.startswith(REFINED) == refined]
             for _ in each_done(_train, todo, args.workers):
                 bar.advance(task)
@@ -90,7 +90,7 @@ def _folder(out: Path, algo: str, scene: str, seed: int) -> Path:
 
 
 def _train(run: tuple[Path, runs.Configuration]) -> None:
-    """Train what is missing of a run, and note how long a step takes a core."""
+    """Train the missing steps of a run, and record the seconds of a core per step."""
     folder, config = run
     done, began = _steps(folder), time.process_time()
     train(config, folder, config.timesteps, progress=False)
@@ -98,12 +98,12 @@ def _train(run: tuple[Path, runs.Configuration]) -> None:
 
 
 def _steps(folder: Path) -> int:
-    """Steps of the last validation of a run, 0 where there is none."""
+    """Return the steps of a run's last validation; 0 without a validation."""
     return int(runs.read_evaluations(folder)["timesteps"][-1]) if (folder / runs.EVALUATIONS).is_file() else 0
 
 
 def _rows(args: Args, out: Path) -> Iterator[Row]:
-    """Yield a row for each validation of each run that there is, and one without steps for each law."""
+    """Yield a row for each validation of each existing run, and a row without steps for each law."""
     for scene, (env_id, keywords) in SCENES.items():
         folders = [(algo, seed, _folder(out, algo, scene, seed)) for algo in LENGTHS for seed in SEEDS]
         trained = [(algo, seed, folder) for algo, seed, folder in folders if (folder / PACE).is_file()]
@@ -129,7 +129,7 @@ def _row(
 
 
 def panels(table: Table) -> dict[str, Panel]:
-    """Read, for each scene, curves by algorithm, one for each seed, and returns by law."""
+    """Read, for each scene, the curves by algorithm, one for each seed, and the returns by law."""
     found = {}
     for scene in map(str, table.values("scene")):
         of_scene = table.where(scene=scene)

@@ -1,7 +1,7 @@
 """Values that a parameter of the array takes: its row, and checks that follow from the row or from several parameters.
 
-Bad values are refused by name, value and rule; of those that no spacecraft has, most likely a slip of units, a warning
-tells before anything is simulated.
+Bad values are refused by name, value and rule. A value that no spacecraft has, most likely a slip of units, causes a
+warning before anything is simulated.
 """
 
 import math
@@ -18,7 +18,7 @@ ArrayParameters = Any  # of `parameters`, which imports this module
 
 
 class UnitWarning(SimulationWarning):
-    """A parameter was probably given in another unit, or changes nothing beside another one."""
+    """Warning that a parameter was probably given in another unit, or changes nothing beside another parameter."""
 
 
 class Rule(NamedTuple):
@@ -30,7 +30,7 @@ class Rule(NamedTuple):
 
 
 class Usual(NamedTuple):
-    """Magnitudes that a parameter has on spacecraft, 0 included; its unit, and those that are easily given instead."""
+    """Magnitudes that a parameter has on spacecraft, 0 included; its unit, and units that users give by mistake."""
 
     low: float
     high: float
@@ -41,7 +41,7 @@ class Usual(NamedTuple):
 class Row(NamedTuple):
     """A parameter's properties beside its default; `among` are the texts that it may be; a `table` has rows of numbers.
 
-    A quantity by joint may differ from joint to joint; one drawn by joint does where one range is drawn from.
+    A quantity by joint may differ from joint to joint; a quantity drawn by joint differs even within a single range.
     """
 
     rule: Rule
@@ -53,14 +53,14 @@ class Row(NamedTuple):
     table: bool = False
 
 
-# Bodies and joints are made of products of several parameters, which are to stay within the range of the numbers of a
-# computer. Where 0 is a value, less than 1e-20 is as good as that.
+# Bodies and joints are made of products of several parameters, which must stay within the range of floating-point
+# numbers. Where 0 is allowed, a value below 1e-20 is as good as 0.
 ANY = Rule(-1e20, 1e20, "must be at most 1e+20, in magnitude")
 POSITIVE = Rule(1e-20, 1e20, "must be positive, at least 1e-20")
 NOT_NEGATIVE = Rule(0.0, 1e20, "must not be negative")
 AT_LEAST_ONE = Rule(1.0, 1e20, "must be at least 1")
 OPENING_TO_X = Rule(0.0, 1e20, "must not be negative: the panels open towards +x")
-_ROUNDED = 1e-3  # rad, by which an angle may miss a multiple of pi that it was rounded from
+_ROUNDED = 2e-3  # rad, by which an angle may miss a multiple of pi that it was rounded from
 _TURN = 2.0 * math.pi + _ROUNDED
 TURN = Rule(-_TURN, _TURN, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
 FOLD = Rule(0.1, 1.9 * math.pi, "must lie between 0.1 and 1.9 pi: it is in radians, not in degrees")
@@ -83,7 +83,7 @@ _MODULI = ("journal_young", "journal_poisson", "bearing_young", "bearing_poisson
 
 
 def number(default: object, rule: Rule = ANY, usual: Usual | None = None, **marks: Any) -> Any:
-    """The field of a parameter, with the rest of its `Row`."""
+    """Return the dataclass field of a parameter, with its default and its `Row`."""
     return field(default=default, metadata={"row": Row(rule, usual, **marks)})
 
 
@@ -91,12 +91,12 @@ per_joint, tabulated = partial(number, by_joint=True), partial(number, table=Tru
 
 
 def row_of(item: Field[Any]) -> Row:
-    """The row of a parameter."""
+    """Return the row of a parameter."""
     return item.metadata.get("row", Row(ANY))
 
 
 def check_rows(values: Any) -> None:
-    """Refuse the first number of a dataclass that does not keep to the rule of its row, by a ValueError.
+    """Raise a ValueError for the first number of a dataclass that breaks the rule of its row.
 
     Warns:
         UnitWarning: of values that were probably given in another unit.
@@ -110,10 +110,10 @@ def check_rows(values: Any) -> None:
 
 
 def check_parameters(p: ArrayParameters) -> None:
-    """Refuse parameters without sense.
+    """Check every parameter by its row, and parameters against each other.
 
     Raises:
-        ValueError: naming the first of them.
+        ValueError: a parameter is refused; the message names the first one.
 
     Warns:
         UnitWarning: of values that were probably given in another unit.
@@ -137,7 +137,7 @@ def check_parameters(p: ArrayParameters) -> None:
     told = set()
     for joint in range(len(p.joints)):
         given, restitution = p.contact(joint).exit_speed_ratio(), p.by_joint("restitution", joint)
-        # A law that conserves energy does so whatever it is asked for.
+        # A law that conserves energy does so whatever restitution it is asked for.
         if given < 1.0 and restitution not in told:
             told.add(restitution)
             warn(restitution_text(p.contact_law, restitution, given))
@@ -148,7 +148,7 @@ def check_parameters(p: ArrayParameters) -> None:
 
 
 def _tell_of_no_effect(p: ArrayParameters) -> None:
-    """Warn of moduli that a given stiffness takes the place of."""
+    """Warn of moduli without effect, because `contact_stiffness` is given."""
     usual = {item.name: item.default for item in fields(p)}
     for name in _MODULI:
         if p.contact_stiffness is not None and (value := getattr(p, name)) != usual[name]:
@@ -228,9 +228,9 @@ def _check_bodies(p: ArrayParameters) -> None:
 
 
 def _in_proportion(gyration: float, along: float, across: float) -> bool:
-    """Whether the mass of a body and its inertia about a base point can both be told from their sum.
+    """Return whether the mass matrix of a body's two base points is regular, well beyond rounding.
 
-    All in units of the distance of the base points: radius of gyration, and place of the centroid from the first one.
+    Radius of gyration, and centroid from the first base point, are in units of the distance of the base points.
     """
     first, second = (gyration**2 + x**2 + across**2 for x in (1.0 - along, along))
     return gyration**2 > _LEAST_PROPORTION * first * second
@@ -241,12 +241,12 @@ def _require(p: ArrayParameters, name: str, condition: bool, rule: str) -> None:
         raise ValueError(f"{name} = {getattr(p, name)!r} {rule}")
 
 
-# Names and rounded values that were told in this process: the same array is described over and over in an ensemble.
+# Names and rounded values that this process has warned of: an ensemble describes the same array over and over.
 _told: set[tuple[str, str]] = set()
 
 
 def _warn_of_implausible(name: str, entries: tuple[float | None, ...], usual: Usual) -> None:
-    """Warn of the first entry beyond what spacecraft have."""
+    """Warn of the first entry outside the usual magnitudes of spacecraft."""
     low, high, unit, slip = usual
     odd = [value for value in entries if value and not low <= abs(value) <= high]
     if odd:
@@ -257,7 +257,7 @@ def _warn_of_implausible(name: str, entries: tuple[float | None, ...], usual: Us
 
 
 def _tell_once(name: str, value: float, text: str) -> None:
-    """Warn, once a process for values that are nearly the same."""
+    """Warn once per process of values that are nearly the same."""
     if (name, f"{value:.2g}") not in _told:
         _told.add((name, f"{value:.2g}"))
         warnings.warn(text, UnitWarning, stacklevel=2)

@@ -1,8 +1,8 @@
 """Files of parameters in TOML: reading one, and writing a complete one that explains each parameter.
 
-Values stand at the top of the file, under the names and in the units of `ArrayParameters`. Two tables say what is not
-known exactly: `tolerance` gives half-widths about the values, `randomize` low and high ends, as the keyword of the
-environments does. Both are drawn uniformly, by joint where the parameter is.
+Values stand at the top of the file, under the names and in the units of `ArrayParameters`. Two tables are for values
+that are not known exactly: `tolerance` gives half-widths about the values, `randomize` low and high ends, as the
+keyword of the environments does. Both are drawn uniformly, by joint where the parameter is.
 """
 
 import codecs
@@ -24,7 +24,7 @@ from solar_env.support.plain_arrays import read_at_most
 from solar_env.support.values import check_name, is_number
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
-# How a file says None, for which TOML has no word.
+# Text for the value None in a file, since TOML has no such value.
 NONE = "none"
 # Arrays from published data, by name.
 WINGS = {path.stem: path for path in sorted((Path(__file__).parents[1] / "data" / "wings").glob("*.toml"))}
@@ -56,7 +56,7 @@ def named_array(name: str) -> ParameterFile:
 
 
 def read_parameters(path: str | Path) -> ParameterFile:
-    """Read a file of parameters; what it does not name has its default.
+    """Read a file of parameters; parameters that it does not name have their defaults.
 
     Raises:
         ValueError: if the file is no TOML, or has an unknown name or a refused value.
@@ -98,7 +98,7 @@ def _parameter_file(values: dict[str, Any]) -> ParameterFile:
 
 
 def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any, Any]:
-    """Low and high end of a parameter with a tolerance."""
+    """Return the low and high end of a parameter's range, from its tolerance."""
     if name not in ArrayParameters.CONTINUOUS:
         return half_width, half_width  # whose refusal names the parameter
     told, by_joint = f"tolerance of {name} = {half_width!r}", name in ArrayParameters.BY_JOINT
@@ -117,14 +117,14 @@ def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any
 
 
 def _explained(error: ValueError) -> str:
-    """An error with what the parameter that it begins with is, and in which unit."""
+    """Return the text of an error, with the explanation of the parameter whose name begins the text."""
     name, texts = str(error).split(" ", 1)[0], explanations()
     return f"{error}; {name} is: {texts[name]}" if name in texts else str(error)
 
 
 @cache
 def explanations() -> dict[str, str]:
-    """Explain each parameter, with its unit and source: the docstring of `ArrayParameters`, by name."""
+    """Return the explanation of each parameter by name, with unit and source, from `ArrayParameters`' docstring."""
     document = docstring(ArrayParameters.__module__, ArrayParameters.__name__).split("Attributes:\n")[1]
     texts: dict[str, str] = {}
     for names, text in re.findall(r"^ {4}(\w[\w, ]*):((?:.|\n {8})*)", document, re.MULTILINE):
@@ -133,7 +133,7 @@ def explanations() -> dict[str, str]:
 
 
 def units() -> dict[str, str]:
-    """Unit of each parameter, by name; empty for what has none: the first in its explanation."""
+    """Return the unit of each parameter by name, the first unit in its explanation; empty without a unit."""
     found = {name: re.search(r"\[([^\]]+)\]", text) for name, text in explanations().items()}
     return {name: unit[1] if unit and not name.endswith("poisson") else "" for name, unit in found.items()}
 
@@ -154,7 +154,7 @@ _TABLES = f"""
 
 
 def parameter_text(parameters: ArrayParameters) -> str:
-    """A complete file of parameters, each with its explanation; `read_parameters` reads it back."""
+    """Return a complete file of parameters, each with its explanation; `read_parameters` reads it back."""
     lines, before = [_HEAD.rstrip()], ""
     for name, text in explanations().items():
         if text != before:
@@ -165,5 +165,5 @@ def parameter_text(parameters: ArrayParameters) -> str:
 
 
 def _toml(value: object) -> str:
-    """A value as TOML has it: JSON's, but for None."""
+    """Return a value in TOML's notation, which is JSON's except for None."""
     return f'"{NONE}"' if value is None else json.dumps(value)

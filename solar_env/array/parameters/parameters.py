@@ -26,7 +26,7 @@ from solar_env.support.values import changed, check_name, is_number, plain
 PerJoint = float | tuple[float, ...]
 Tables = TorqueTable | tuple[TorqueTable, ...]
 MAIN_BODY = 0  # index among the bodies of the mechanism
-_LEAST_WORK = 1e-3  # J, of a spring
+_LEAST_WORK = 1e-3  # J, least work of a spring
 
 
 @dataclass(frozen=True)
@@ -42,98 +42,98 @@ class ArrayParameters:
 
     Attributes:
         panel_count: number of panels N of a wing; the paper's is 2.
-        wings: 1, or 2 for a mirrored one towards -x, whose joints are counted on from those of the first. Quantities by
-            joint or panel are those of each wing, unless they have more than N entries.
-        body_mass: of the main body [kg]; a 1 m cube of 1500 kg/m3.
-        body_inertia: of the main body about its centroid [kg m2].
+        wings: 1, or 2 with a mirrored wing towards -x, whose joints are counted on from the first wing's. Quantities by
+            joint or panel hold for each wing, unless they have more than N entries.
+        body_mass: mass of the main body [kg]; a 1 m cube of 1500 kg/m3.
+        body_inertia: moment of inertia of the main body about its centroid [kg m2].
         body_fixed: whether the main body is held in place; the paper's floats.
-        hinge_x, hinge_y: root hinge from the main body's centroid [m], hinge_x not negative; mid-side (chosen: the
-            paper does not say). The first panel, folded, points towards -y: it lies along the body's side where hinge_y
-            is half of the body's size.
+        hinge_x, hinge_y: place of the root hinge from the main body's centroid [m], hinge_x not negative; mid-side
+            (chosen: the paper does not say). The first panel, folded, points towards -y: it lies along the body's side
+            if hinge_y is half of the body's size.
         body_size: side of the main body [m].
-        panel_length, panel_width, panel_thickness: by panel [m].
-        panel_density: mass of the panels over their volume [kg/m3], by panel.
-        panel_area_mass: mass of the panels over their area [kg/m2], by panel; None computes it from the density.
+        panel_length, panel_width, panel_thickness: length, width and thickness by panel [m].
+        panel_density: mass of the panels per volume [kg/m3], by panel.
+        panel_area_mass: mass of the panels per area [kg/m2], by panel; None computes it from the density.
         panel_young: modulus of elasticity E of the panels, used by flexible models [Pa], by panel.
-        panel_bending_stiffness: E I of the panels [N m2], by panel; None computes it from E, width and thickness.
+        panel_bending_stiffness: bending stiffness E I of the panels [N m2], by panel; None: from E, width, thickness.
         panel_damping: retardation time of the panels' material [s]: stress = E (strain + panel_damping * strain rate)
-            (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
-        panel_masses: what is fixed to the panels, such as hinge fittings: lists of the number of a panel, from 1 at the
-            root, the distance from its inner hinge [m], and the mass [kg]; not with panels of modes.
+            (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has no damping).
+        panel_masses: masses fixed to the panels, such as hinge fittings: lists of the number of a panel, from 1 at the
+            root, the distance from the panel's inner hinge [m], and the mass [kg]; not with panels of modes.
         folding: "accordion", whose hinges open in turns counter-clockwise and clockwise, or "wrap", whose hinges all
             open counter-clockwise.
-        fold_angle: angle from the folded position to the one in line with what bears the panel, by joint [rad]; None:
+        fold_angle: angle from the folded position to the position in line with the inboard body, by joint [rad]; None:
             a quarter turn at the root, half turns beyond.
         lock_angle: joint angle at which a hinge latches, by joint [rad]; None takes the fold_angle.
         latching: whether a hinge latches at its lock angle, by joint: 1, or 0 for a stop without a latch.
-        release_time: until when a hold-down holds the folded joint, by joint [s]; 0 for none.
+        release_time: time until which a hold-down holds the folded joint, by joint [s]; 0 for no hold-down.
         release_after: number of the joint, from 1 at the root, whose latching the release_time is counted from, by
             joint; 0 counts it from t = 0.
-        spring_stiffness: of the torsion springs, by joint [N m/rad].
+        spring_stiffness: stiffness of the torsion springs, by joint [N m/rad].
         spring_preload_angle: angle at which a spring is relaxed, by joint, at most a turn [rad].
-        spring_torque: table of a torque over the joint angle that acts beside the torsion spring: pairs (angle [rad],
+        spring_torque: table of a torque by joint angle that acts beside the torsion spring: pairs (angle [rad],
             torque [N m]), for all joints, or one table by joint; opening torques are positive.
-        harness_torque: table of the torque of a wire harness over the joint angle, likewise [N m].
-        hinge_damping: of a viscous or eddy-current damper in each hinge, by joint [N m s/rad].
-        hinge_friction_torque: of dry friction in each hinge, by joint [N m]; beside that of the journals.
-        hinge_friction_rate: joint rate about which the latter turns round, by joint [rad/s]; None: a hundredth of the
-            rate at which the spring would open the hinge of a lone panel (chosen: far below opening rates).
-        cable_stiffness: of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen: keeps the
-            joint angles at 1 : 2 within a degree up to the latching).
-        cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio
-            (2 at the root), which conserves energy (chosen); 1 is the couple that the paper's latch time points to, and
-            destroys half of what the springs put in: 0.24 of 0.49 J by the latching.
-        cable_preload_force: of a strand [N]; a strand's tension is never negative (chosen: no strand goes
+        harness_torque: table of the torque of a wire harness by joint angle, likewise [N m].
+        hinge_damping: damping of a viscous or eddy-current damper in each hinge, by joint [N m s/rad].
+        hinge_friction_torque: torque of dry friction in each hinge, by joint [N m], beside the journals' friction.
+        hinge_friction_rate: joint rate within which that torque changes its sign, by joint [rad/s]; None: a hundredth
+            of the rate at which the spring would open the hinge of a lone panel (chosen: far below opening rates).
+        cable_stiffness: stiffness of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen:
+            keeps the joint angles at 1 : 2 within a degree up to the latching).
+        cable_torque_ratio: torque on the inner joint of a loop divided by the torque on the outer one; None takes the
+            wheel ratio (2 at the root), which conserves energy (chosen); 1 is the couple to which the paper's latch
+            time points: it destroys half of the springs' work, 0.24 of 0.49 J by the latching.
+        cable_preload_force: preload of a strand [N]; a strand's tension is never negative (chosen: no strand goes
             slack).
-        cable_wheel_radius: of the outer joint's wheel [m] (chosen: unless cable_bearing_forces, it sets only the torque
-            at which a strand goes slack).
+        cable_wheel_radius: radius of the outer joint's wheel [m] (chosen: without cable_bearing_forces, it only sets
+            the torque at which a strand goes slack).
         cable_bearing_forces: whether the strands also pull on the bearings (Eq 3, with a potential). The paper's
             solution steps use Eq 4 alone.
         latch_gap: free play of latch and stow stop to either side [rad], 0 included (chosen, like the four below:
             together they give contact forces of some hundred newtons after latching, like the paper's Fig. 10).
-        latch_stiffness: of latch and stow stop [N m/rad^exponent].
-        latch_exponent: of the stop's elastic torque.
+        latch_stiffness: stiffness of latch and stow stop [N m/rad^exponent].
+        latch_exponent: exponent of the stop's elastic torque.
         latch_ramp_depth: depth over which the stop's damping is ramped in [rad].
-        latch_damping: of latch and stow stop [N m s/rad].
+        latch_damping: damping of latch and stow stop [N m s/rad].
         clearance: bearing radius minus journal radius, by joint [m].
-        journal_radius: of all joints [m].
+        journal_radius: journal radius of all joints [m].
         contact_law: "lankarani-nikravesh", "flores", "restitution" (whose exit speed is exactly the restitution) or
             "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing; "bracket" for
             surfaces far stiffer than bracket_stiffness.
         restitution: coefficient of restitution of the contact law.
         contact_stiffness: K [N/m^1.5] between spheres; None computes it by the paper's Eq 40 from the radii and the
-            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes one of
-            another unit from these and bearing_width, and needs None, as "bracket" does.
+            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes a stiffness
+            of another unit from these and bearing_width, and needs None, as "bracket" does.
         bracket_stiffness: radial stiffness of bracket and bush in series, by joint [N/m]; the law "bracket" takes it
             (chosen: 1 kN bends a small aluminium bracket by 0.1 mm).
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             where the stiffness is computed; a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: a hundredth
-            of the slower impacts').
-        friction_coefficient: Coulomb's, of sliding.
+            of the speed of slower impacts).
+        friction_coefficient: Coulomb's coefficient of sliding friction.
         friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s], the paper's Eq 42
-            (chosen: below those of impacts, which see all of Coulomb's friction).
-        friction_sliding: "material" for the speed of the material points in contact; "centres" for that of the joint's
-            centres, and "places" for that of the places of contact, which is depth / (clearance + depth) of it, as the
-            paper's Eq 35 has it literally: both leave the bodies' rotation out.
+            (chosen: below the speeds of impacts, which see all of Coulomb's friction).
+        friction_sliding: "material" takes the speed of the material points in contact, "centres" the speed of the
+            joint's centres, and "places" the speed of the places of contact, depth / (clearance + depth) times the
+            centres', as the paper's Eq 35 has it literally. The latter two leave the bodies' rotation out.
         wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the
             order of 1e-14 to 1e-13 m, as the paper reports).
         bearing_width: axial length of the bearings [m] (chosen: the hinge line spans the panel).
         wear_bins: circumferential bins of each surface.
         gravity: acceleration of free fall in a test on the ground [m/s2], for which the main body is held.
-        gravity_angle: direction of that in the plane, from the x axis [rad].
+        gravity_angle: direction of gravity in the plane, from the x axis [rad].
         offloading_share: share of each panel's weight that a hanger at its centre of mass carries.
-        offloading_friction: friction force of a hanger over the weight that it carries; at its distance from the
-            panel's hinge it resists that hinge's turning.
+        offloading_friction: friction force of a hanger divided by the weight that it carries; the force resists the
+            turning of the panel's hinge, by its distance from the hinge.
         initial_spin: angular velocity of the main body about its centroid at t = 0 [rad/s].
         initial_rate: rate of the joint angles at t = 0, by joint, positive opens [rad/s].
     """
 
-    # Derived from the rows: what is a real number, may differ from joint to joint, and does where one range is drawn.
+    # Names from the rows: real numbers; quantities that may differ by joint; quantities that one range draws by joint.
     CONTINUOUS: ClassVar[tuple[str, ...]]
     BY_JOINT: ClassVar[tuple[str, ...]]
     DRAWN_BY_JOINT: ClassVar[tuple[str, ...]]
-    # They decide how many numbers describe the mechanism and its state.
+    # Parameters that decide how many numbers describe the mechanism and its state.
     STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "wings", "body_fixed", "wear_bins")
 
     panel_count: int = number(2, c.Rule(1, 100, "must lie between 1 and 100"))
@@ -209,27 +209,27 @@ class ArrayParameters:
         c.check_parameters(self)
 
     def entries(self, name: str) -> tuple[Any, ...]:
-        """The values given for a quantity: one, or one for each of the first joints of a wing or of all wings."""
+        """Return the values given for a quantity: one, or one per joint, of the first joints of a wing or all wings."""
         value = getattr(self, name)
         entries = value if isinstance(value, tuple) else (value,)
         return entries[: self.panel_count] if entries == _ROWS[name][0] else entries
 
     def by_joint(self, name: str, joint: int) -> Any:
-        """Entry of a quantity by joint for `joint`, counted from 0; the last one holds for all further joints."""
+        """Return the entry of a quantity for `joint`, counted from 0; the last entry holds for all further joints."""
         entry = entry_of(self.entries(name), joint, self.panel_count)
         return None if entry is None else float(entry)
 
     def for_each_joint(self, name: str) -> tuple[Any, ...]:
-        """Entries of a quantity by joint, one for each of the joints."""
+        """Return the entry of a quantity for every joint."""
         return tuple(self.by_joint(name, joint.index) for joint in self.joints)
 
     @classmethod
     def preset(cls, name: str) -> Self:
-        """Named parameter sets: "default", and "paper", which reads the paper as literally as its results allow.
+        """Return a named parameter set: "default", or "paper", which reads the paper as literally as its results allow.
 
-        "paper": hinge at the side's end that the folded panels point away from and a cable couple of torque ratio 1,
-        which together reproduce its latch time, though the couple destroys half of the springs' energy; no damping of
-        the panels; a wear coefficient that puts the deepest bin where its figures do.
+        "paper": hinge at the side's end that the folded panels point away from and a cable couple of torque ratio 1.
+        Both together reproduce the paper's latch time, though the couple destroys half of the springs' energy. No
+        damping of the panels; a wear coefficient that gives the deepest bin the depth in the paper's figures.
 
         Raises:
             ValueError: if the name is unknown.
@@ -238,7 +238,7 @@ class ArrayParameters:
         return cls(**PRESETS[name])
 
     def with_changes(self, changes: Mapping[str, object]) -> Self:
-        """A copy with some parameters changed.
+        """Return a copy with some parameters changed.
 
         Raises:
             ValueError: if a name is unknown or a value is refused.
@@ -270,7 +270,7 @@ class ArrayParameters:
         return JointRow(index, inboard, panel, side, sign, fold, self.by_joint("lock_angle", index) or fold)
 
     def panel(self, joint: int) -> PanelRow:
-        """The panel that a joint carries, counted from 0."""
+        """Return the panel that a joint, counted from 0, carries."""
         names = ("length", "width", "thickness", "density", "young", "damping", "area_mass", "bending_stiffness")
         length, width, thickness, density, young, damping, area_mass, bending = (
             self.by_joint(f"panel_{name}", joint) for name in names
@@ -297,13 +297,13 @@ class ArrayParameters:
         return left * math.cos(self.gravity_angle), left * math.sin(self.gravity_angle)
 
     def friction_torque(self, joint: int) -> float:
-        """Torque of dry friction in a hinge, counted from 0, and of its panel's hanger about it [N m]."""
+        """Return the torque [N m] of dry friction in a hinge, counted from 0, and in its panel's hanger about it."""
         panel = self.panel(joint)
         of_hanger = self.offloading_friction * self.offloading_share * panel.mass * self.gravity
         return float(self.by_joint("hinge_friction_torque", joint) + of_hanger * panel.centroid)
 
     def friction_rate(self, joint: int) -> float:
-        """Joint rate about which dry friction in a hinge, counted from 0, turns round [rad/s]."""
+        """Return the joint rate [rad/s] within which dry friction in a hinge, counted from 0, changes its sign."""
         given = self.by_joint("hinge_friction_rate", joint)
         if given is not None:
             return float(given)
@@ -317,18 +317,18 @@ class ArrayParameters:
         return 0.01 * math.sqrt(max(work, _LEAST_WORK) * 6.0 / (panel.mass * panel.length**2))
 
     def table(self, name: str, joint: int) -> TorqueTable:
-        """The table of a tabulated torque of a joint, counted from 0."""
+        """Return the table of a tabulated torque of a joint, counted from 0."""
         tables = getattr(self, name)
         alone = not tables or is_number(tables[0][0])
         return tables if alone else entry_of(tables, joint, self.panel_count)
 
     def stop(self, joint: int) -> Stop:
-        """The stop of a joint's latch and stow stop, counted from 0."""
+        """Return the law of latch and stow stop of a joint, counted from 0."""
         names = ("gap", "stiffness", "exponent", "ramp_depth", "damping")
         return Stop(*(self.by_joint(f"latch_{name}", joint) for name in names))
 
     def surfaces(self, joint: int) -> Surfaces:
-        """Journal and bearing of a joint, counted from 0, as its contact law takes them."""
+        """Return the journal and bearing of a joint, counted from 0, as its contact law takes them."""
         return Surfaces(
             bearing_radius=self.journal_radius + self.by_joint("clearance", joint),
             journal_radius=self.journal_radius,
@@ -342,11 +342,11 @@ class ArrayParameters:
         )
 
     def contact(self, joint: int) -> PowerLaw:
-        """The contact law of a joint, counted from 0."""
+        """Return the contact law of a joint, counted from 0."""
         return contact_law(self.contact_law, self.surfaces(joint), self.by_joint("restitution", joint))
 
     def bearing(self, joint: int) -> Bearing:
-        """The clearance bearing of a joint, counted from 0."""
+        """Return the clearance bearing of a joint, counted from 0."""
         return Bearing(
             clearance=self.by_joint("clearance", joint),
             journal_radius=self.journal_radius,
@@ -360,7 +360,7 @@ class ArrayParameters:
         )
 
     def to_dict(self) -> dict[str, object]:
-        """All parameters as values that JSON keeps; `with_changes` takes them back."""
+        """Return all parameters as values that JSON can store; `with_changes` takes them back."""
         return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 
 

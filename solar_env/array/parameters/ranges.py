@@ -13,25 +13,25 @@ from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.array.parameters.rows import entry_of
 from solar_env.support.values import check_name, is_number, plain
 
-# Joint rates [rad/s], either way of rest, at which deployments that are meant to be alike are released: impacts are
-# chaotic, so that a single deployment says little, and these are far apart from the latching on. In the mean, joint 1
-# deploys at 0.13 rad/s.
+# Greatest change of a joint rate [rad/s], either way, at which deployments that are meant to be alike are released.
+# Impacts are chaotic, so that a single deployment says little; released in this way, deployments are far apart from
+# the latching on. In the mean, joint 1 deploys at 0.13 rad/s.
 RELEASE_RATE = 5e-4
 
-# Bounds of a uniform draw: numbers, or one by joint.
+# Bound of a uniform draw: a number, or one number per joint.
 Bound = float | tuple[float, ...]
 Ranges = Mapping[str, tuple[Bound, Bound]]
 _BELOW_ANOTHER = ("clearance", "friction_speed_zero")  # parameters that must stay below another one
 
 
 def drawn(ranges: Ranges, generator: np.random.Generator) -> dict[str, float | tuple[float, ...]]:
-    """Values drawn uniformly from checked ranges, by joint where the bounds are; changes for `with_changes`."""
+    """Draw values uniformly from checked ranges, by joint where the bounds are; `with_changes` takes the result."""
     values = {name: generator.uniform(low, high) for name, (low, high) in ranges.items()}
     return {name: tuple(value.tolist()) if np.ndim(value) else float(value) for name, value in values.items()}
 
 
 def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
-    """The ranges with both ends shown to be acceptable values, by joint where the parameter is.
+    """Check that both ends of ranges are acceptable values, and return the ranges, by joint where the parameter is.
 
     Raises:
         ValueError: for an unknown parameter, or a range in which not every value is acceptable.
@@ -56,7 +56,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
         for end in (low, high):
             parameters.with_changes({name: end})
         checked[name] = (low, high)
-    # Draws of several parameters may meet at any corner; these are the ones at which two of them can contradict.
+    # Draws of several parameters may meet at any corner; at these corners two parameters can contradict each other.
     lows, highs = ({name: pair[end] for name, pair in checked.items()} for end in (0, 1))
     for corner in (lows, highs, *({**lows, small: highs[small]} for small in _BELOW_ANOTHER if small in highs)):
         parameters.with_changes(corner)
@@ -64,7 +64,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
 
 
 def _spread(told: str, given: Any, array: ArrayParameters | None) -> Bound:
-    """A number, or one with an entry for each of an array's joints, see `entry_of`."""
+    """Check a bound; return a number, or with an array one number for each of its joints, see `entry_of`."""
     value = plain(given)
     entries = value if isinstance(value, tuple) else (value,)
     if not all(is_number(entry) and math.isfinite(entry) for entry in entries):

@@ -1,4 +1,4 @@
-"""A joint and a panel of the array, as the mechanism is built of them."""
+"""Joint and panel of the array, from which the mechanism is built."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ Value = TypeVar("Value")
 
 
 def entry_of(entries: Sequence[Value], joint: int, panels: int) -> Value:
-    """Return the entry for a joint of a wing of so many panels: the last one holds for all further ones.
+    """Return the entry for a joint, in wings of `panels` panels; the last entry holds for all further joints.
 
-    Both wings take the same entries, unless there are more of them than panels.
+    Both wings take the same entries, unless there are more entries than panels.
     """
     place = joint % panels if len(entries) <= panels else joint
     return entries[min(place, len(entries) - 1)]
@@ -21,11 +21,11 @@ class JointRow:
     """A joint, by its index from the root on, and the panel that it carries.
 
     Attributes:
-        inboard, panel: indices, among the bodies of the mechanism, of what bears it and of the panel.
+        inboard, panel: indices, among the bodies of the mechanism, of the body that bears the panel, and of the panel.
         side: 1 for the wing towards +x, -1 for its mirror image towards -x.
         sign: 1 if the panel opens counter-clockwise, -1 if clockwise.
-        fold_angle: from the folded position to the one in line with what bears it [rad].
-        lock_angle: at which it latches or stops, from the folded position [rad].
+        fold_angle: angle from the folded position to the position in line with the inboard body [rad].
+        lock_angle: angle from the folded position at which the joint latches or stops [rad].
     """
 
     index: int
@@ -38,12 +38,12 @@ class JointRow:
 
     @property
     def name(self) -> str:
-        """The joint as tables name it."""
+        """Name of the joint in tables."""
         return f"joint {self.index + 1}{' of the second wing' if self.side < 0 else ''}"
 
 
 class PanelRow(NamedTuple):
-    """A panel, by its index from the root on.
+    """Geometry, mass and stiffness of a panel.
 
     Attributes:
         length, thickness: [m].
@@ -51,7 +51,7 @@ class PanelRow(NamedTuple):
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s].
-        masses: places from the inner hinge [m] and masses [kg] of what is fixed to it.
+        masses: places from the inner hinge [m] and masses [kg] of fittings on the panel.
     """
 
     length: float
@@ -64,7 +64,7 @@ class PanelRow(NamedTuple):
 
     @property
     def mass(self) -> float:
-        """Mass, with what is fixed to the panel [kg]."""
+        """Mass of the panel with its fittings [kg]."""
         return self.linear_density * self.length + sum(mass for _, mass in self.masses)
 
     @property

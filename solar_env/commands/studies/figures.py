@@ -1,6 +1,5 @@
-"""`solar-env study figures`: pictures of a deployment, of where a fixed step fails, and of a design, for the pages."""
+"""`solar-env study figures`: pictures of a deployment, of a fixed step's failures, and of a design, for the pages."""
 
-import shutil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -9,7 +8,7 @@ import numpy as np
 from solar_env.commands import design
 from solar_env.commands.study import Args
 from solar_env.environment.registration import DEPLOY
-from solar_env.support.files import writing
+from solar_env.support.files import write_bytes, writing
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import PACKAGE, STUDIES
 
@@ -19,7 +18,7 @@ FRAME_TIME = 13.6  # s
 
 
 def draw_frame(path: Path) -> None:
-    """A frame of the environment during a passive deployment."""
+    """Draw a frame of the environment during a passive deployment."""
     import gymnasium
     from PIL import Image
 
@@ -32,7 +31,7 @@ def draw_frame(path: Path) -> None:
 
 
 def draw_deployment(path: Path) -> None:
-    """Angles, forces, torques, energies, journal paths and wear of the default deployment."""
+    """Draw angles, forces, torques, energies, journal paths and wear of the default deployment."""
     from solar_env.array.deployment import simulate
     from solar_env.pictures.plots import plot_deployment
 
@@ -40,7 +39,7 @@ def draw_deployment(path: Path) -> None:
 
 
 def draw_stability(path: Path) -> None:
-    """Bounces under generalized-alpha: where a fixed step fails."""
+    """Draw the map of bounces under generalized-alpha, with the failures of a fixed step."""
     from solar_env.studies.stability.stability_maps import measure_map
     from solar_env.studies.stability.stability_plot import draw_map
 
@@ -51,14 +50,14 @@ def draw_stability(path: Path) -> None:
 
 
 def draw_design(path: Path) -> None:
-    """The latch torque of the default array over the damping of hinges and latches."""
+    """Draw the latch torque of the default array against the damping of hinges and latches."""
     with TemporaryDirectory() as folder:
         design.run_command(design.Args(keep=["latch_time < 30"], points=36, out=Path(folder)))
-        shutil.copy(Path(folder) / design.PICTURE, path)
+        write_bytes(path, (Path(folder) / design.PICTURE).read_bytes())
 
 
 _OWN = PACKAGE / "pictures" / "figures"
-# File -> what draws it.
+# File -> function that draws it.
 PICTURES = {
     _OWN / "frame.png": draw_frame,
     _OWN / "deployment.png": draw_deployment,
@@ -68,7 +67,7 @@ PICTURES = {
 
 
 def run(args: Args) -> int:
-    """Draw the pictures of a deployment, of where a fixed step fails, and of a design."""
+    """Draw the pictures of a deployment, of a fixed step's failures, and of a design."""
     folder, _ = args.folders("figures")
     paths = {place if args.readme else folder / place.name: draw for place, draw in PICTURES.items()}
     with counting_bar(args.console) as bar:

@@ -18,8 +18,8 @@ SECTION = Section(FOLDER / "README.md", "claims", "solar-env study paper --readm
 def run(args: Args) -> int:
     """Draw the figures of the paper, and judge its claims; --only: numbers of figures, without claims, or a set's name.
 
-    The name of a set judges the claims for another set of what the paper leaves open. With --readme pictures and claims
-    go into the page, tables into ./paper.
+    The name of a set judges the claims for another set of the parameters that the paper leaves open. With --readme
+    pictures and claims go into the page, tables into ./paper.
     """
     from solar_env.studies.paper.sets import found_sets
 
@@ -59,7 +59,7 @@ def run(args: Args) -> int:
 
 
 def _simulate(args: Args, runs: Iterable[Any]) -> dict[Any, Any]:
-    """Motions of the runs of cases, with a progress bar."""
+    """Simulate runs of cases, with a progress bar, and return the motions by run."""
     from solar_env.studies.paper.cases import simulate_run
 
     each = dict.fromkeys(runs)
@@ -68,13 +68,13 @@ def _simulate(args: Args, runs: Iterable[Any]) -> dict[Any, Any]:
 
 
 def _judge_set(args: Args, name: str, changes: Any) -> int:
-    """Judge the claims for a set of what the paper leaves open."""
+    """Judge the claims for a set of the parameters that the paper leaves open."""
     from solar_env.studies.paper.claims import CLAIMS
     from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs
 
     if args.readme:
         raise ValueError(f"--only {name!r} has no place on the page; leave out --readme")
-    # Reasons for what differs are those of the preset.
+    # The claims' reasons for differences hold for the preset alone.
     claims = [replace(claim, open_parameters=(), why="") for claim in CLAIMS]
     runs = [replace(run, changes=changes) for run in planned_runs(claims)]
     motions = {replace(run, changes=()): motion for run, motion in _simulate(args, runs).items()}

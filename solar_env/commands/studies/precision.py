@@ -5,7 +5,7 @@ from solar_env.support.readme import STUDIES, Section
 
 OPTIONS = ("only", "quick", "draw", "out", "readme")
 FOLDER = STUDIES / "precision"
-# File that a part writes -> the section of the page that it goes into.
+# File that a part writes -> section of the page for its text.
 SECTIONS = {
     f"{name.replace(' ', '_')}.md": Section(FOLDER / "README.md", name, "solar-env study precision --readme")
     for name in ("work precision", "convergence", "side by side")

@@ -1,4 +1,4 @@
-"""`solar-env study stability`: maps of where methods fail, as tables and figures."""
+"""`solar-env study stability`: maps of the failures of methods, as tables and figures."""
 
 import textwrap
 from pathlib import Path
@@ -15,7 +15,7 @@ _COLUMNS = 100
 
 
 def run(args: Args) -> int:
-    """Map where methods fail, and check that the library says so; --only parameters walks every parameter instead."""
+    """Map failures of methods, and check that the library reports them; --only parameters: ranges of all parameters."""
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
     names = [] if args.only == [PARAMETERS] else args.parts(MAPS)
@@ -33,7 +33,7 @@ def run(args: Args) -> int:
 
 
 def _walk_parameters(args: Args, folder: Path) -> int:
-    """Measure the ranges of the parameters; 1 if a failure passed in silence."""
+    """Measure the ranges of the parameters; return 1 if a failure passed in silence, else 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability import parameter_ranges as ranges
 
@@ -49,7 +49,7 @@ def _walk_parameters(args: Args, folder: Path) -> int:
 
 
 def _report(name: str, path: Path) -> int:
-    """Draw a map and print its figures and advice; 1 if a failure passed in silence."""
+    """Draw a map and print its figures and advice; return 1 if a failure passed in silence, else 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map

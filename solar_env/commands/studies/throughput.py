@@ -1,4 +1,4 @@
-"""`solar-env study throughput`: environment steps per second, and what they cost."""
+"""`solar-env study throughput`: environment steps per second, and the parts of their time."""
 
 from solar_env.array import MODELS
 from solar_env.commands.study import Args

@@ -4,7 +4,7 @@ from solar_env.commands.study import Args
 from solar_env.support.readme import STUDIES
 
 OPTIONS = ("out", "readme", "draw", "quick", "jobs")
-QUICK = 3  # deployments
+QUICK = 3  # deployments of a quick run
 
 
 def run(args: Args) -> int:

@@ -1,4 +1,4 @@
-"""An episode as it is seen: `film` draws frames, `window` shows them, `recording` keeps motions for plots and pages.
+"""Views of an episode: `film` draws frames, `window` shows them, `recording` keeps motions for plots and pages.
 
 Imports `solar_env.pictures`, the engine, and the settings of an environment; no rewards, no episodes.
 """

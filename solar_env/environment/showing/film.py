@@ -24,22 +24,22 @@ class Film:
         self._renderer: Renderer | None = None
 
     def __getstate__(self) -> dict[str, object]:
-        """Without the renderer, which a copy makes anew."""
+        """Leave out the renderer, which a copy makes anew."""
         return {**vars(self), "_renderer": None}
 
     def add(self, state: Any) -> None:
-        """Take the peaks of the period that has ended."""
+        """Add the force peaks of the control period that has ended."""
         self._forget(np.nextafter(state.clock["time"][0], 0.0))
         self._peaks.append(state.joints["recent_peak_force"].copy())
         self._times.append(float(state.clock["time"][0]))
 
     def _forget(self, time: float) -> None:
-        """Forget what lies after a time [s] to which a state was restored."""
+        """Forget the peaks after a time [s] to which a state was restored."""
         while self._times[-1] > time:
             del self._times[-1], self._peaks[-1]
 
     def draw(self, simulation: Simulation, parameters: ArrayParameters) -> NDArray[np.uint8]:
-        """The frame of the present state; (540, 960, 3) uint8."""
+        """Return the frame of the present state; (540, 960, 3) uint8."""
         self._forget(simulation.time)
         if self._renderer is None:
             task, folded = self._settings.task, self._settings.simulation(parameters)
@@ -47,7 +47,7 @@ class Film:
         return self._renderer.draw(self._scene(simulation, parameters))
 
     def _scene(self, simulation: Simulation, parameters: ArrayParameters) -> Scene:
-        """The scene of a simulation, with the force peaks of the episode."""
+        """Return the scene of a simulation, with the force peaks of the episode."""
         model, state, loads = simulation.model, simulation.state, simulation.joint_loads()
         bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
         axes = [centreline(model, state.q, body) for body in bodies]

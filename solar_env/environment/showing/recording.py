@@ -11,17 +11,17 @@ from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table
 from solar_env.support.values import check_positive
 
-_CONTACTS = 1000  # that there is room for at first
+_CONTACTS = 1000  # number of contacts for which there is room at first
 
 
 class RecordTrajectory(gymnasium.Wrapper):
-    """Keep the present episode of an environment, with samples every `output_step` [s] and now, as a `Trajectory`.
+    """A wrapper that keeps the present episode as a `Trajectory`, with samples every `output_step` [s] and now.
 
-    The episode stays the same to the bit. What was recorded after a state between two steps that is restored is
-    forgotten: the trajectory is what led to the present state.
+    The episode stays the same to the bit. The trajectory is the motion that led to the present state: restoring an
+    earlier state between two steps discards everything recorded after it.
 
     Raises:
-        RuntimeError: By `step` and `trajectory`, where a state was restored to which nothing recorded has led.
+        RuntimeError: by `step` and `trajectory`, where a state was restored to which nothing recorded has led.
     """
 
     def __init__(self, env: gymnasium.Env, output_step: float = 0.005) -> None:
@@ -47,7 +47,7 @@ class RecordTrajectory(gymnasium.Wrapper):
         self._moments = [(self._digest(), [0, 0])]
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Take a step, and record it in the place of what came after the present state."""
+        """Take a step and record it; the record of anything after the present state is discarded."""
         if not self._moments:
             return super().step(action)
         env: Any = self.unwrapped
@@ -74,7 +74,7 @@ class RecordTrajectory(gymnasium.Wrapper):
         return hashlib.sha256(state.clock["time"].tobytes() + state.q.tobytes() + state.v.tobytes()).digest()
 
     def _known(self) -> int:
-        """Number of the moments recorded up to the present state."""
+        """Return the number of the moments recorded up to the present state."""
         digests = [digest for digest, _ in self._moments]
         if (present := self._digest()) not in digests:
             raise RuntimeError("the present state was restored and nothing recorded has led to it: call reset()")

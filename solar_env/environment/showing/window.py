@@ -12,10 +12,10 @@ _INVISIBLE = ("offscreen", "dummy")  # drivers that SDL takes where there is no 
 
 
 def open_display() -> Any:
-    """Begin with pygame's display, where there is one or `SDL_VIDEODRIVER` asks for what SDL takes; returns pygame.
+    """Open pygame's display, a visible one unless `SDL_VIDEODRIVER` asks for another, and return pygame.
 
     Raises:
-        OSError: what is shown would be seen by nobody.
+        OSError: there is no display on which anybody would see the window.
     """
     import pygame
 
@@ -37,7 +37,7 @@ def open_display() -> Any:
 class Window:
     """A window that shows frames at their rate [Hz]. It opens with the first one; a copy of it begins closed.
 
-    Without pygame, or without a display, it refuses on construction.
+    Without pygame, or without a display, the construction raises an error.
     """
 
     def __init__(self, rate: float) -> None:

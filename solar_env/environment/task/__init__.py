@@ -1,8 +1,8 @@
 """The control task: what an agent sees, what it is charged, when an episode ends.
 
 `task` has limits, times and motors, and its versions with their prices; `observations`, `features` and `reward` are the
-tables of what can be observed and charged; `sensors` is what hardware makes of observations; `control` says when an
-array has latched or missed its deadline, `periods` begins and ends a control period.
+tables of quantities to observe and to charge; `sensors` adds the hardware's imperfections to observations; `control`
+says when an array has latched or missed its deadline, `periods` begins and ends a control period.
 
 To add
 

@@ -54,9 +54,9 @@ class TaskNumbers(NamedTuple):
 
 
 def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
-    """The torque of springs and harness on a joint, folded [N m], and by how much it falls with its angle [N m/rad].
+    """Compute the torque [N m] of springs and harness on a folded joint, and its decrease per joint angle [N m/rad].
 
-    It is reflected through the cable loops, which keep the joints' angles in the ratio of their lock angles.
+    Other joints' torques count through the cable loops, which keep the joints' angles in the ratio of the lock angles.
     """
     wing = [row for row in array.joints if row.side == array.joints[joint].side]
     ratios = np.array([row.lock_angle for row in wing]) / array.joints[joint].lock_angle
@@ -75,7 +75,7 @@ def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
 def motor_row(
     joint: int, torque_limit: float, deadline: float, hardware: Hardware, array: ArrayParameters, period: float
 ) -> tuple[float, ...]:
-    """A row of `motor_type`: of a motor on a joint, whose drive takes a sample in every period [s]."""
+    """Return the row of `motor_type` of a motor on a joint, whose drive takes a sample in every period [s]."""
     load, slope = spring_load(array, joint) if hardware.load_compensation else (0.0, 0.0)
     return (
         joint,
@@ -93,7 +93,7 @@ def motor_row(
 
 
 def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> TaskNumbers:
-    """The task, with the drives that it is done with, as the kernels take it; they know the array's springs."""
+    """Return the task and its drives as the kernels take them; the drives know the load of the array's springs."""
     samples = task.samples(hardware)
     period = task.control_period / samples
     about = float(task.torque_limit), float(task.deadline), hardware, array, period
@@ -113,7 +113,7 @@ def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> Task
 
 @kernel
 def numbers_of(lanes, lane):
-    """The numbers of one lane."""
+    """Return the numbers of one lane."""
     return TaskNumbers(
         lanes.control_period,
         lanes.deadline,
@@ -129,7 +129,7 @@ def numbers_of(lanes, lane):
 
 @kernel
 def asked_rate(motor, memory, action):
-    """The rate of the joint that an action of "log_rate" in [-1, 1] asks for [rad/s]."""
+    """Advance u by a sample under an action of "log_rate" in [-1, 1]; return the joint rate [rad/s] asked for."""
     memory[LOG_RATIO] += motor.lag_response * (REACH * action - memory[LOG_RATIO])
     u = memory[LOG_RATIO]
     return motor.cruise * (math.exp(u) if u < 0.0 else 1.0 + HASTE * u)
@@ -137,9 +137,9 @@ def asked_rate(motor, memory, action):
 
 @kernel
 def loop_torque(motor, memory, asked, angle, rate):
-    """Torque that the drive's rate loop asks of the motor to go at a rate [rad/s]: within the limit, and filtered.
+    """Advance the drive's rate loop by a sample, towards the rate `asked` [rad/s]; return the limited, filtered torque.
 
-    Angle [rad] and rate [rad/s] are those that it measures.
+    The loop measures `angle` [rad] and `rate` [rad/s].
     """
     change = motor.setpoint_change
     memory[SETPOINT] = min(max(asked, memory[SETPOINT] - change), memory[SETPOINT] + change)
@@ -151,7 +151,7 @@ def loop_torque(motor, memory, asked, angle, rate):
 
 @kernel
 def asked_torque(model, state, task, motor, memory, action, rate_error, settling):
-    """Torque that a drive asks of its motor until the next sample [N m]; while it settles the array, to stand still."""
+    """Return the torque [N m] that a drive asks of its motor until the next sample; a settling drive asks for rest."""
     view = view_joint_of(model)(model, state, motor.joint)
     rate = view.rate + rate_error
     if task.action == TORQUE and not settling:
@@ -164,7 +164,7 @@ def asked_torque(model, state, task, motor, memory, action, rate_error, settling
 
 @kernel
 def set_torque(state, motor, torque):
-    """Set the torque that a motor reaches of the one asked for until the next sample, by its lag and rate limit."""
+    """Set the motor's torque until the next sample: the torque asked for, within the motor's lag and rate limit."""
     driven = state.joints[motor.joint]
     if motor.response < 1.0:
         torque = driven.motor_torque + motor.response * (torque - driven.motor_torque)

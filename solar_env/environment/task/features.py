@@ -1,4 +1,4 @@
-"""The table of features: what sensors show, scaled so that what decides a landing is of order one."""
+"""The table of features: sensor readings, scaled so that values that decide a landing are of order one."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,7 +10,7 @@ Values = NDArray[np.float64]
 
 
 class Feature(NamedTuple):
-    """A function of what a sensor of each joint shows, by the name that an observation lists.
+    """A function of the sensor reading of each joint, by the name that an observation lists.
 
     Attributes:
         low, high: bounds in the unit, to which it is clipped.

@@ -1,4 +1,4 @@
-"""The table of what can be observed, with the reading of each quantity and the sensor effects on it."""
+"""The table of observables, with the reading of each quantity and the sensor effects on it."""
 
 import itertools
 import math
@@ -31,7 +31,7 @@ class Observable(NamedTuple):
 
     Attributes:
         low, high: bounds in the unit, to which it is clipped.
-        code: of `reading`.
+        code: code for `reading`.
         by_joint: whether there is one entry a joint.
         by_motor: whether there is one entry a motor.
         noise: name of the standard deviation in `Hardware`; None where the reading is exact.
@@ -80,7 +80,7 @@ OBSERVABLES = (
 _ROWS: tuple[Observable | Feature, ...] = (*OBSERVABLES, *FEATURES)
 _BY_NAME = {row.name: row for row in _ROWS}
 
-# Names of an observation, in order; those in a tuple take turns joint by joint.
+# Names of an observation, in order; names in a tuple take turns joint by joint.
 Names = Sequence[str | tuple[str, ...]]
 _DRIVE: tuple[str, ...] = ("theta", "rate", "latched", "motor_torque", "time_to_deadline", "time_since_latch")
 _PAST = tuple(f"{name}_{age}_ago" for age in (1, 2, 3) for name in ("theta", "rate", "motor_torque"))
@@ -93,9 +93,9 @@ OBSERVATIONS: dict[str, Names] = {
 
 
 class Entry(NamedTuple):
-    """One entry of an observation: its joint or motor, 0 where there is one for the array, and its age [periods].
+    """One entry of an observation: its joint or motor, 0 for the whole array, and its age [periods].
 
-    Its name has the number of the joint, from 1; none where there is one entry for the array.
+    Its name has `number`, the joint's from 1; `number` is None where the quantity has only one entry.
     """
 
     observable: Observable | Feature
@@ -111,13 +111,13 @@ class Entry(NamedTuple):
 
 
 def observation_entries(joints: int, observation: str | Names, driven: Sequence[int] = (0,)) -> tuple[Entry, ...]:
-    """Entries of an observation, in order: of one of `OBSERVATIONS`, or of a list of names.
+    """Return the entries, in order, of an observation: one of `OBSERVATIONS`, or a list of names.
 
     A list has names of `OBSERVABLES`, of `FEATURES`, and of `OBSERVATIONS` for all that these list; "theta_2_ago" is
     the theta of two control periods ago, and the names in a tuple take turns joint by joint.
 
     Raises:
-        ValueError: for an unknown name, one that is listed twice, or none at all.
+        ValueError: for an unknown name, a name that is listed twice, or an empty list.
     """
     if isinstance(observation, str):
         if observation not in OBSERVATIONS:
@@ -143,7 +143,7 @@ def observation_entries(joints: int, observation: str | Names, driven: Sequence[
 
 
 def _observable(name: str) -> tuple[Observable | Feature, int]:
-    """The observable or feature that a name of an observation stands for, and its age [control periods]."""
+    """Return the observable or feature that a name of an observation stands for, and its age [control periods]."""
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
     stem, age = (past[1], int(past[2])) if past else (name, 0)
     check_name("the observable", stem, _BY_NAME)
@@ -157,20 +157,20 @@ channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 
 
 def measured_for(entry: Entry) -> tuple[Observable, int]:
-    """The quantity, and its joint, that is measured for an entry of an observation to be shown."""
+    """Return the quantity that sensors measure for an entry of an observation, and its joint."""
     of = entry.observable
     name = of.source if isinstance(of, Feature) else of.name
     return next(row for row in OBSERVABLES if row.name == name), entry.joint
 
 
 def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
-    """(measured,) code, joint and bounds of quantities of joints, as the kernels take them."""
+    """Return the (measured,) code, joint and bounds of quantities of joints, as the kernels take them."""
     return np.array([(row.code, joint, row.low, row.high) for row, joint in measured], dtype=channel_type)
 
 
 @kernel
 def reading(code, j, model, state, task, drives):
-    """The exact value of a quantity, in its unit, at joint `j`; of motors and drives (motors, 3), at motor `j`."""
+    """Return the exact value of a quantity in its unit, at joint `j`, or by motor at motor `j`; drives (motors, 3)."""
     joint, joint_state, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
     if code == THETA:
         return view.angle / joint.lock_angle
@@ -214,7 +214,7 @@ def observe(model, state, task, channels, drives, out):
 
 
 def observation_table() -> str:
-    """The table of observables, in Markdown."""
+    """Return the table of observables, in Markdown."""
     cells = []
     for row in _ROWS:
         sensors = "as what it is made of"

@@ -42,12 +42,12 @@ class Periods(NamedTuple):
 
 
 def settling_samples(task: TaskNumbers) -> int:
-    """Samples that the drives take in a settling window, the first and last ones cut short."""
+    """Return the number of samples of the drives in a settling window, the first and last ones cut short."""
     return math.ceil(task.settling_window / task.sample_period) + 1
 
 
 def make_periods(lanes: int, task: TaskNumbers, terms: int, exact: NDArray[np.float32]) -> Periods:
-    """Allocate the arrays of some lanes, whose observations `exact` (lanes, measured) are."""
+    """Allocate the arrays of some lanes; `exact` (lanes, measured) holds their observations."""
     motors = task.motors.shape[-1]
     return Periods(
         np.zeros((lanes, motors)),
@@ -67,7 +67,7 @@ def make_periods(lanes: int, task: TaskNumbers, terms: int, exact: NDArray[np.fl
 
 @kernel
 def begin_period(state, task, periods, lane):
-    """Forget the peak forces of the last control period, and set when the next one ends.
+    """Forget the peak forces of the last control period, and set the end of the next one.
 
     It ends after a whole number of control periods, which are counted so that rounding does not build up, or with the
     episode if that ends before.
@@ -95,9 +95,9 @@ def begin_sample(model, state, task, periods, lane):
 
 @kernel
 def end_period(model, state, task, channels, prices, periods, lane):
-    """Charge and observe a period, and tell whether the episode is over.
+    """Charge and observe a period, and record whether the episode is over.
 
-    It is one window after the last latching, or when the time for it is up.
+    An episode is over a settling window after the last latching, or when the time for latching is up.
     """
     periods.rewards[lane] = charge(model, state, task, prices, periods.accounts[lane], periods.terms[lane])
     observe(model, state, task, channels, periods.drives[lane], periods.exact[lane])

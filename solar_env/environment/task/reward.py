@@ -24,8 +24,8 @@ MOTOR_WORK, PRELATCH_PEAK, TIME, LATENESS, OPENING = range(5, 10)
 # Forms of a price, by name, and the codes of `cost`.
 FORMS = {"linear": 0, "decades": 1}
 LINEAR, DECADES = FORMS.values()
-# How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
-# the greatest magnitude, or the sum of the magnitudes of their changes.
+# Growth of a figure with its readings at the ends of the control periods: the figure is the latest reading (of a
+# quantity that never falls), the greatest magnitude, or the sum of the magnitudes of the changes.
 LATEST, GREATEST, CHANGES = range(3)
 # Columns of the account of a term: its figure so far, and its latest reading.
 FIGURE, READING = range(2)
@@ -68,13 +68,13 @@ class Price:
 
 
 class RewardTerm(NamedTuple):
-    """A term of the reward: minus the growth, in each step, of what a figure costs in a phase of the episode.
+    """A term of the reward: minus the growth, in each step, of a figure's cost in a phase of the episode.
 
     Attributes:
-        code: of `reading`.
+        code: code for `reading`.
         growth: LATEST, GREATEST or CHANGES.
         scale: see `Price`; the weight is 0 where neither the version nor the keyword `reward` has one.
-        sign: 1, or -1 where the figure earns what others cost.
+        sign: 1, or -1 for a figure that earns where others cost.
     """
 
     name: str
@@ -103,11 +103,11 @@ REWARD_TERMS = (
     RewardTerm("prelatch_peak", "peak force, over all joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, 500.0),
     RewardTerm("time", "time", "up to the last latching", "s", TIME, LATEST, 20.0),
     RewardTerm("lateness", "time", "later than a period before the deadline, up to then", "s", LATENESS, LATEST, 1.0),
-    # What every deployment earns alike, on the way: who is paid at the end alone learns nothing on the way there.
+    # Every deployment earns this alike, but on the way: an agent paid at the end alone learns nothing on the way there.
     RewardTerm("opening", "mean opening, in lock angles, which is earned", _WHOLE, "-", OPENING, GREATEST, 1.0, -1),
 )
 
-# Of these no deployment costs more, or earns less, than a missed deadline does.
+# Terms in which no deployment costs more, or earns less, than a missed deadline does.
 _MISSED_TOO = ("missed_deadline", "time", "lateness", "opening")
 
 _CODES, _NUMBERS = ("code", "growth", "sign", "form"), ("scale", "weight", "bound")
@@ -123,7 +123,7 @@ OWN = "own"  # name of its only term
 
 
 class Reward:
-    """The terms of an environment's reward: the prices of a version with some changed, or a function in their place.
+    """The terms of an environment's reward: the prices of a version with some changed, or a function instead.
 
     Args:
         changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`; or a function.
@@ -176,12 +176,12 @@ class Reward:
         return np.array(rows, dtype=price_type)
 
     def told(self, time: float, account: NDArray[np.float64]) -> Told:
-        """Tell a function the time [s] and the figures of the account (terms, 2) of an episode."""
+        """Return the time [s] and the figures of an episode's account (terms, 2), as a reward function takes them."""
         figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
         return {"time_s": time, **figures}
 
     def own(self, before: Told, after: Told) -> float:
-        """The reward of a step by the function; ValueError where that is no finite number."""
+        """Return the function's reward for a step; a result that is no finite number raises a ValueError."""
         assert self.function is not None
         value: Any = plain(self.function(before, after))
         if not is_number(value) or not math.isfinite(value):
@@ -195,9 +195,9 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 
 
 def v1_return(figures: Mapping[str, Any]) -> float:
-    """The return of a deployment at the prices of v1, the yardstick of all pages, by its figures of `info`.
+    """Compute the return of a deployment at the prices of v1, the yardstick of all pages, from its figures in `info`.
 
-    One that is late costs what v1 charges at its deadline, but for the distance that was left.
+    A late deployment costs as much as v1 charges at its deadline, without the distance that was left.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
@@ -207,7 +207,7 @@ def v1_return(figures: Mapping[str, Any]) -> float:
 
 @kernel
 def distance_to_lock(model, state):
-    """Mean distance of the joints to their locks, in lock angles, beyond which it counts as 0."""
+    """Return the mean distance of the joints to their locks, in lock angles; beyond its lock a joint counts as 0."""
     total = 0.0
     for j in range(state.joints.size):
         total += max(1.0 - view_joint_of(model)(model, state, j).angle / model.joints[j].lock_angle, 0.0)
@@ -216,7 +216,7 @@ def distance_to_lock(model, state):
 
 @kernel
 def reading(code, model, state, task):
-    """The present reading of a figure, in its unit."""
+    """Return the present reading of a figure, in its unit."""
     latched = state.clock[0].latched_joints > 0
     if code == MISSED_DEADLINE:
         return 1.0 + distance_to_lock(model, state) if missed_deadline(state, task) else 0.0
@@ -248,7 +248,7 @@ def reading(code, model, state, task):
 
 @kernel
 def cost(price, figure):
-    """The cost of a figure at a weight of 1, in the price's form."""
+    """Return the cost of a figure at a weight of 1, in the price's form."""
     x = min(figure / price.scale, price.bound)
     return x if price.form == LINEAR else math.log10(1.0 + x)
 
@@ -257,7 +257,7 @@ def cost(price, figure):
 def charge(model, state, task, prices, account, terms):
     """Write to `terms` (terms,) minus what a period has cost, bring the account up to date, and return the sum.
 
-    The account (terms, 2) is of figures charged so far, and latest readings, zero when an episode begins.
+    The account (terms, 2) holds figures charged so far and latest readings; both are zero when an episode begins.
     """
     total = 0.0
     for k in range(prices.size):
@@ -268,7 +268,7 @@ def charge(model, state, task, prices, account, terms):
             figure = max(before, abs(now))
         elif price.growth == CHANGES:
             figure = before + abs(now - account[k, READING])
-        # In this order, equal costs leave nothing however a compiler contracts products and sums.
+        # In this order, equal costs give exactly 0, however a compiler contracts products and sums.
         terms[k] = price.sign * price.weight * (cost(price, before) - cost(price, figure))
         total += terms[k]
         account[k, FIGURE], account[k, READING] = figure, now
@@ -276,7 +276,7 @@ def charge(model, state, task, prices, account, terms):
 
 
 def reward_table() -> str:
-    """The table of terms, in Markdown."""
+    """Return the table of terms, in Markdown."""
     prices, rows = Reward().prices, []
     for term in REWARD_TERMS:
         price = prices[term.name]

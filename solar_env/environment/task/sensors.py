@@ -23,7 +23,7 @@ class Memory(NamedTuple):
 
 
 class Sensors:
-    """Turns exact observations, lane by lane, into observed ones.
+    """Sensors that turn exact observations, lane by lane, into observed ones.
 
     Attributes:
         channels: (measured,) every quantity of a joint that the entries show, now or later.
@@ -97,21 +97,21 @@ class Sensors:
         self.observed[lanes] = observed
 
     def memory(self, lane: int) -> Memory:
-        """A copy of the memory of a lane, with the values that it shows now."""
+        """Return a copy of the memory of a lane, with the values that it shows now."""
         exact, observed, pipeline, past = (values[lane].copy() for values in self._arrays)
         return Memory(exact, observed, pipeline, past, deepcopy(self._generators[lane]))
 
     def recall(self, lane: int, memory: Memory) -> None:
-        """Go on in a lane from what `memory` returned, as often as one likes."""
+        """Restore the sensors of a lane from a result of `memory`, which can be used again and again."""
         for mine, theirs in zip(self._arrays, memory[:4], strict=True):
             mine[lane] = theirs
         if self._generators[lane] is None:
             self._generators[lane] = deepcopy(memory.generator)
-        else:  # that of the lane, of which its next parameters are drawn, too
+        else:  # the lane's generator, from which its next parameters are drawn, too
             self._generators[lane].bit_generator.state = memory.generator.bit_generator.state
 
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
-        """(k, measured) exact values with noise and in steps of the encoder."""
+        """Return the (k, measured) exact values with noise and in steps of the encoder."""
         measured = self.exact[lanes]
         if self._noise.any():
             for row, lane in enumerate(lanes):

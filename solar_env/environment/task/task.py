@@ -10,7 +10,7 @@ from solar_env.array.parameters.checks import Rule, Usual, check_rows, number
 from solar_env.environment.hardware import Hardware
 from solar_env.support.values import check_name, is_whole_number
 
-# What an action is, by its name, and their codes for kernels.
+# Kinds of action by name, with their codes for kernels.
 ACTIONS = {"torque": 0, "log_rate": 1}
 TORQUE, LOG_RATE = ACTIONS.values()
 _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite number")
@@ -55,7 +55,7 @@ class Task:
         given = self.driven_joints
         if not given or not all(is_whole_number(joint, 0) for joint in given) or len(set(given)) < len(given):
             raise ValueError(
-                f"driven_joint = {self.driven_joint!r} must be the index of a joint, a whole number, or several"
+                f"driven_joint = {self.driven_joint!r} must be the index of a joint, or several different ones"
             )
 
     @property
@@ -65,11 +65,11 @@ class Task:
 
     @property
     def has_loop(self) -> bool:
-        """Whether the drives have a rate loop to close."""
+        """True if the drives have a rate loop to close."""
         return ACTIONS[self.action] != TORQUE or self.drive_settles
 
     def samples(self, hardware: Hardware) -> int:
-        """Samples of the drive in a control period, which they must fill: 1 where it has no loop to close."""
+        """Return the drive's number of samples per control period, a whole one; 1 where the drive has no rate loop."""
         if not self.has_loop:
             return 1
         samples = self.control_period * hardware.rate_loop_frequency
@@ -82,9 +82,9 @@ class Task:
 
 
 class Version(NamedTuple):
-    """A version of the task, the number of an environment's id: limits and times, what its drive has beyond the
-    scenario's hardware, and beyond that with rigid panels, what is observed, and the prices of the terms that are
-    charged, in the words of the keywords `hardware`, `observation` and `reward`.
+    """A version of the task, the number in an environment's id: limits and times, changes to the scenario's hardware,
+    further changes with rigid panels, the observation, and the prices of the terms that are charged, in the words of
+    the keywords `hardware`, `observation` and `reward`.
     """
 
     task: Task
@@ -112,9 +112,9 @@ VERSIONS = {
             drive_settles=True,
             action="log_rate",
         ),
-        # What comes a period of 0.1 s late in version 1 is there within one of 0.5 s.
+        # A reading that comes a period of 0.1 s late in version 1 is there within a period of 0.5 s.
         {"setpoint_rate_limit": 0.05, "load_compensation": True, "sensor_delay": 0},
-        # Flexible panels shake with a loop as stiff as that.
+        # For rigid panels: flexible panels shake with so stiff a loop.
         {"rate_loop_gain": 25.0, "rate_loop_frequency": 20.0},
         "scaled",
         {

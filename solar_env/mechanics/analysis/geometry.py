@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 
 
 def centreline(model: ModelArrays, q: Array, body: int, points_per_element: int = 8) -> Array:
-    """Points along the axis of a body, from its first end to its last, as a polyline.
+    """Return the points along the axis of a body, from its first end to its last, as a polyline.
 
     Every element of a beam gives equally spaced points of its cubic polynomial; a modal panel counts as eight elements.
 

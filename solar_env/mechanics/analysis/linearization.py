@@ -1,6 +1,6 @@
 """Small motions about the initial state with their natural frequencies, and equilibria at rest.
 
-The matrices are those of Newton's equations of the implicit integrator (`generalized_alpha.py`).
+The matrices come from Newton's equations of the implicit integrator (`generalized_alpha.py`).
 """
 
 import math
@@ -21,27 +21,27 @@ from solar_env.mechanics.running.simulation import Simulation
 
 Matrix = NDArray[np.float64]
 
-_SYMMETRY = 1e-9  # relative asymmetry of a stiffness that has a potential
-_MOST_ITERATIONS = 60  # of Newton's for an equilibrium
-_TOLERANCE = 1e-11  # of a correction, relative to the length scale
+_SYMMETRY = 1e-9  # greatest relative asymmetry of a stiffness that has a potential
+_MOST_ITERATIONS = 60  # most Newton iterations for an equilibrium
+_TOLERANCE = 1e-11  # tolerance of a correction, relative to the length scale
 
 
 class Linearization(NamedTuple):
-    """M a + D v + K x + C^T (multipliers) = 0 with C x = 0, for coordinates x that are small.
+    """Matrices of M a + D v + K x + C^T (multipliers) = 0 with C x = 0, for small coordinates x.
 
     The coordinates of fixed bodies have zero rows and columns, and are held.
     """
 
     mass: Matrix  # (n, n)
     damping: Matrix  # (n, n)
-    stiffness: Matrix  # (n, n), with that of the constraints' forces
+    stiffness: Matrix  # (n, n), including the constraint forces' stiffness
     constraints: Matrix  # (m, n)
 
 
 class NewtonEquations:
     """Newton's equations of a mechanism at a configuration, as dense matrices.
 
-    Stops act, contacts in clearance joints do not: these are struck in motion only.
+    Stops act; contacts in clearance joints do not: they begin in motion only.
     """
 
     def __init__(self, model: Model, state: State) -> None:
@@ -55,12 +55,12 @@ class NewtonEquations:
         self.moving = np.flatnonzero(model.elimination.position >= 0)  # unknowns that are not held
 
     def residual(self, model: Model) -> Matrix:
-        """(unknowns,) minus the forces' imbalance and the constraints' violation; `model` may bear other loads."""
+        """Return minus the forces' imbalance and constraints' violation (unknowns,); `model` may have other loads."""
         fill_residual(model, self.state, self.iteration, self.work, 0.0, 1.0)
         return np.asarray(self.iteration.rhs)
 
     def matrix(self, model: Model) -> Matrix:
-        """(unknowns, unknowns) stiffness, bordered by the constraints. Call `residual` before."""
+        """Return the (unknowns, unknowns) stiffness, bordered by the constraints. Call `residual` before."""
         it = self.iteration
         linearize_forces(model, self.state.joints, it.q, it.v, it.newton)
         assemble(model, it.q, it.multipliers, self.work.row_value, it.newton, (0.0, 0.0, 1.0))
@@ -88,7 +88,7 @@ def linearize(mechanism: Mechanism) -> Linearization:
 
 
 def natural_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
-    """Undamped natural frequencies [Hz] at the initial state, ascending; rigid-body motions count as zeros.
+    """Return the undamped natural frequencies [Hz] at the initial state, ascending; rigid-body motions count as zeros.
 
     Raises:
         ValueError: As `natural_modes`.
@@ -97,7 +97,7 @@ def natural_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
 
 
 def natural_modes(mechanism: Mechanism) -> tuple[NDArray[np.float64], Matrix]:
-    """Undamped natural frequencies (k,) [Hz] and shapes (n, k) at the initial state, ascending.
+    """Return the undamped natural frequencies (k,) [Hz] and shapes (n, k) at the initial state, ascending.
 
     Raises:
         ValueError: if the forces have no potential, or an equilibrium is unstable.
@@ -117,7 +117,7 @@ def natural_modes(mechanism: Mechanism) -> tuple[NDArray[np.float64], Matrix]:
 
 
 def static_equilibrium(mechanism: Mechanism, load_steps: int = 10) -> NDArray[np.float64]:
-    """Coordinates (n,) at rest under springs, weight and loads; drives stay at their angles of t = 0.
+    """Return the coordinates (n,) at rest under springs, weight and loads; drives stay at their angles of t = 0.
 
     Weight and loads grow in equal steps, so that large deflections are reached from the initial state. Stops act,
     contacts in clearance joints do not.

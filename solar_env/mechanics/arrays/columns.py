@@ -1,8 +1,7 @@
 """Columns of the tables of joints, and the laws of the torques about a hinge, a row each.
 
-What such a torque is called, which energy it stores and which it puts in or loses stands in its row of `TORQUES`;
-integrals, energies, trajectories, files and sums of torques follow from there. The compiled laws are those of
-`joints/torques`.
+A row of `TORQUES` has the torque's name, the energy that it stores, and the energy that it puts in or loses. Integrals,
+energies, trajectories, files and sums of torques follow from the rows. The compiled laws are in `joints/torques`.
 """
 
 from typing import NamedTuple
@@ -27,12 +26,12 @@ class TorqueLaw(NamedTuple):
     """A torque about a hinge, on the joint's angle [N m].
 
     Attributes:
-        name: of the torque, as trajectories have it.
-        column: of the table of loads.
-        energy: name of the energy that it stores; empty if none.
+        name: the torque's name in trajectories.
+        column: the torque's column in the table of loads.
+        energy: name of the energy that it stores; empty if it stores nothing.
         book: name of the energy that it puts in or loses; empty if neither.
-        integral: column of that energy among a joint's integrals.
-        lost: whether that energy is lost; else it is put in.
+        integral: column of `book` among a joint's integrals.
+        lost: whether `book` is lost; else it is put in.
     """
 
     name: str
@@ -65,5 +64,5 @@ FIRST_TORQUE, END_OF_TORQUES = TORQUES[0].column, TORQUES[-1].column + 1
 
 
 def total_torque(loads: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sum of the torques [N m] of all laws in tables of loads (..., columns)."""
+    """Return the sum of the torques [N m] of all laws in tables of loads (..., columns)."""
     return np.asarray(loads[..., FIRST_TORQUE:END_OF_TORQUES].sum(axis=-1))

@@ -15,12 +15,12 @@ Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
 def with_lane_axis(arrays: Arrays) -> Arrays:
-    """The arrays of one mechanism as those of a single lane; they share their memory, numbers are copied."""
+    """Return the arrays of one mechanism as a single lane; arrays share their memory, numbers are copied."""
     return _mapped(lambda entry: np.asarray(entry)[np.newaxis], arrays)
 
 
 def allocate_lanes(arrays: Arrays, lanes: int) -> Arrays:
-    """Arrays for `lanes` mechanisms like the one whose arrays these are, uninitialised."""
+    """Allocate uninitialised arrays for `lanes` mechanisms of the same structure as `arrays`."""
 
     def allocate(entry: Any) -> NDArray[Any]:
         one: NDArray[Any] = np.asarray(entry)
@@ -30,17 +30,17 @@ def allocate_lanes(arrays: Arrays, lanes: int) -> Arrays:
 
 
 def lane_view(lanes: Arrays, lane: int) -> Arrays:
-    """The arrays of one lane, in Python and in kernels; they share their memory with those of all."""
+    """Return the arrays of one lane, in Python and in kernels; they share memory with the arrays of all lanes."""
     return _mapped(lambda entry: entry[lane], lanes)
 
 
 def copied(arrays: Arrays) -> Arrays:
-    """Independent copies."""
+    """Return independent copies of the arrays."""
     return _mapped(np.copy, arrays)
 
 
 def check_structure(lanes: Arrays, arrays: Arrays) -> None:
-    """Check that a mechanism's arrays have the shapes of those in the lanes.
+    """Check that a mechanism's arrays have the shapes of the lanes' arrays.
 
     Raises:
         ValueError: if the mechanism has another structure; names the array.
@@ -61,7 +61,7 @@ def fill_lane(lanes: Arrays, lane: int, arrays: Arrays) -> None:
 
 
 def _pairs(lanes: Any, arrays: Any) -> Iterator[tuple[str, NDArray[Any], Any]]:
-    """Name, array of all lanes and array of a mechanism for every entry of two named tuples, and of those in them."""
+    """Yield name, array of all lanes and array of one mechanism for every entry of two nested named tuples."""
     for name, target, source in zip(lanes._fields, lanes, arrays, strict=True):
         if isinstance(target, tuple):
             yield from _pairs(target, source)
@@ -70,7 +70,7 @@ def _pairs(lanes: Any, arrays: Any) -> Iterator[tuple[str, NDArray[Any], Any]]:
 
 
 def _mapped(function: Any, arrays: Any) -> Any:
-    """`function` of every array or number of a named tuple of these and of such tuples."""
+    """Return a nested named tuple with `function` applied to every array or number in it."""
     if isinstance(arrays, tuple):
         return type(arrays)(*(_mapped(function, entry) for entry in arrays))
     return function(arrays)
@@ -78,7 +78,7 @@ def _mapped(function: Any, arrays: Any) -> Any:
 
 @overload(lane_view, inline="always")
 def _compiled_lane_view(lanes, lane):
-    """The same in compiled code: a call of the named tuple's class, which Numba cannot derive from a loop."""
+    """Compile `lane_view` as a call of the named tuple's class, which Numba cannot derive from a loop."""
     classes: dict[str, Any] = {}
 
     def construction(kind: types.BaseNamedTuple, path: str) -> str:

@@ -3,8 +3,8 @@
 Elements of one kind are rows of one structured array, so that a kernel reads `joint.clearance` by name
 and the number of arrays that cross from Python to a kernel stays small. All quantities are in SI units.
 
-Generalized coordinates `q` come body by body; what they are is known to the kind of body alone (`bodies/kinds.py`),
-which also makes the rows for bodies.
+Generalized coordinates `q` come body by body. Only the kind of body (`bodies/kinds.py`) knows their meaning; it also
+makes the rows for bodies.
 """
 
 from typing import NamedTuple
@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 from solar_env.mechanics.numerics.checks import MOST_POINTS
 from solar_env.mechanics.numerics.profile import Elimination
 
-# Accelerations that solve the equations of motion, or do so to a step's tolerance; those of generalized-alpha.
+# Kinds of accelerations: exact solutions, solutions to a step's tolerance, and generalized-alpha's own.
 EXACT, APPROXIMATE, ALGORITHMIC = 1, 2, 3
-TABLE_ROWS = MOST_POINTS + 1  # of a torque tabulated over the angle
+TABLE_ROWS = MOST_POINTS + 1  # rows of a torque's table over the angle
 # Joint kinds.
 IDEAL, CLEARANCE = 0, 1
 
 
 def record(members: list[tuple[str, type] | tuple[str, type, int | tuple[int, ...]]]) -> np.dtype[np.void]:
-    """Rows whose members are also attributes outside compiled code, so that the kernels run uncompiled too."""
+    """Return a record type whose members are attributes also outside compiled code, so that kernels run uncompiled."""
     return np.dtype((np.record, np.dtype(members, align=True)))
 
 
@@ -52,10 +52,10 @@ joint_type = record(
         ("friction_ramp_rate", np.float64),
         ("has_latch", np.int64),
         ("lock_angle", np.float64),
-        ("one_sided", np.int64),  # whether nothing but a stop is at the lock angle, which holds from above alone
-        ("is_held", np.int64),  # at t = 0, by a hold-down
-        ("release_time", np.float64),  # of that, since t = 0 or since the joint below has latched
-        ("released_by", np.int64),  # joint; -1 for none
+        ("one_sided", np.int64),  # whether the lock angle has only a stop, which does not latch
+        ("is_held", np.int64),  # whether a hold-down holds the joint at t = 0
+        ("release_time", np.float64),  # of the hold-down, since t = 0 or since `released_by` has latched
+        ("released_by", np.int64),  # joint whose latching starts the release time; -1: t = 0
         ("has_stow_stop", np.int64),
         ("stow_angle", np.float64),
         ("stop_gap", np.float64),
@@ -81,7 +81,7 @@ cable_type = record(
     [
         ("joint_a", np.int64),
         ("joint_b", np.int64),
-        # Whether the wheels turn against a chord, and not against the axis of the body between the joints:
+        # Whether the wheels turn against a chord, not against the axis of the body between the joints:
         # 1 if that axis runs from joint a to joint b, -1 if back; else 0.
         ("chord_sense", np.int64),
         ("first", np.int64),  # markers at the ends of the chord
@@ -126,12 +126,12 @@ joint_state_type = record(
         ("lock_impulse", np.float64),  # values of the joint's integrals at the first latching
         ("lock_sliding_work", np.float64),
         ("lock_peak_force", np.float64),  # greatest force up to the first latching
-        ("held", np.int64),  # at the stow angle, by its hold-down
-        ("release_time", np.float64),  # of that; infinite while it is not known
+        ("held", np.int64),  # whether the hold-down holds the joint at the stow angle
+        ("release_time", np.float64),  # of the hold-down; infinite while it is not known
         ("latched", np.int64),
         ("latch_time", np.float64),
-        ("latch_rate", np.float64),  # of the joint's angle, then
-        ("peak_latch_torque", np.float64),  # at the ends of the steps since then
+        ("latch_rate", np.float64),  # rate of the joint's angle at the latching
+        ("peak_latch_torque", np.float64),  # at the ends of the steps since the latching
         ("stop_engaged", np.int64),  # whether the latch's or the stow stop's torque is evaluated
         ("motor_torque", np.float64),  # input, set between calls
     ]
@@ -149,11 +149,11 @@ clock_type = record(
         ("factorizations", np.int64),
         ("stability_bound_steps", np.int64),  # explicit steps that the flexible bodies' stability limit has bounded
         ("explicit_wait", np.int64),  # explicit steps before the next linearly implicit one is tried
-        ("explicit_patience", np.int64),  # how long that was the last time
+        ("explicit_patience", np.int64),  # last start value of explicit_wait
         ("latched_joints", np.int64),
         ("initial_energy", np.float64),
         ("energy_scale", np.float64),  # sum of the magnitudes of the initial energies
-        ("acceleration_current", np.int64),  # whether State.a belongs to the present q, v and inputs: 0, or one below
+        ("acceleration_current", np.int64),  # kind of accelerations in State.a; 0 if out of date
         # Where and with what value a failed call stopped.
         ("failure_time", np.float64),
         ("failure_joint", np.int64),
@@ -161,7 +161,7 @@ clock_type = record(
     ]
 )
 
-# Running time integrals: these of every joint, joint by joint, then those of the whole mechanism.
+# Running time integrals: first these of every joint, joint by joint, then two of the whole mechanism.
 NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE, MOTOR_WORK, LATCH_DISSIPATION, CABLE_WORK = range(7)
 DAMPER_DISSIPATION, HINGE_FRICTION_DISSIPATION = 7, 8
 INTEGRALS_PER_JOINT = 9
@@ -171,7 +171,7 @@ GLOBAL_INTEGRALS = 2
 
 
 def joint_integrals(integrals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(..., joints, INTEGRALS_PER_JOINT) view of the integrals (..., count) by joint."""
+    """Return the (..., joints, INTEGRALS_PER_JOINT) view of the integrals (..., count) by joint."""
     by_joint = integrals[..., :-GLOBAL_INTEGRALS]
     return by_joint.reshape(*by_joint.shape[:-1], -1, INTEGRALS_PER_JOINT)
 
@@ -199,9 +199,9 @@ class Constraints(NamedTuple):
 
     size: NDArray[np.int64]  # (m,)
     coordinate: NDArray[np.int64]  # (m, ROW_ENTRIES)
-    value: NDArray[np.float64]  # (m, ROW_ENTRIES); those of drives are set at run time
+    value: NDArray[np.float64]  # (m, ROW_ENTRIES); drives set their rows at run time
     target: NDArray[np.float64]  # (m,)
-    bodies: NDArray[np.int64]  # (m, 2) the bodies that a row acts on; -1 for none
+    bodies: NDArray[np.int64]  # (m, 2) the bodies that a row acts on; -1 for no body
     driven: NDArray[np.int64]  # (m,) whether the row belongs to a drive
 
 
@@ -219,7 +219,7 @@ class Model(NamedTuple):
     cable_elements: Elements
     body_constants: NDArray[np.float64]  # (k,) constants of the bodies, whose rows say where theirs begin
     elimination: Elimination
-    error_weight: NDArray[np.float64]  # (n,) of a coordinate in error norms: for slopes [m], else 1
+    error_weight: NDArray[np.float64]  # (n,) weight of a coordinate in error norms: for slopes [m], else 1
     length_scale: float
     stable_step: float  # largest step [s] with which the explicit method is stable on the free bodies
     flexible: int  # whether some body deforms

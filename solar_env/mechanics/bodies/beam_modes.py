@@ -20,7 +20,7 @@ import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
-# The Gram matrices of the Krylov vectors are nearly singular: double precision would not do.
+# The Gram matrices of the Krylov vectors are nearly singular: double precision would not suffice.
 _CONTEXT = mpmath.MPContext()
 _CONTEXT.dps = 50
 # From here on cos x_k = 1 / cosh x_k is zero in all digits.
@@ -33,9 +33,9 @@ class EndModes(NamedTuple):
     """Mass-normalised modes of one kind, as the ends see them.
 
     Attributes:
-        frequencies: (modes,) angular [rad/s]; those of pseudo-modes come last.
-        rows: (end values, modes) by unit amplitude, [1/sqrt(kg)] and for slopes [1/(m sqrt(kg))]: deflection and
-            slope at the first end, then at the other; or the axial displacements of both.
+        frequencies: (modes,) angular frequencies [rad/s]; pseudo-modes come last.
+        rows: (end values, modes) per unit amplitude, [1/sqrt(kg)] and for slopes [1/(m sqrt(kg))]: deflection and
+            slope at the first end, then at the other; or the axial displacements of both ends.
     """
 
     frequencies: NDArray[np.float64]
@@ -44,7 +44,7 @@ class EndModes(NamedTuple):
 
 @lru_cache(maxsize=256)
 def wave_number(k: int) -> Real:
-    """Solution x of cos x cosh x = 1 number `k`, counted from 1."""
+    """Return solution number `k`, counted from 1, of cos x cosh x = 1."""
     start = (k + _CONTEXT.mpf(1) / 2) * _CONTEXT.pi
     if k > _ASYMPTOTIC:
         return start
@@ -52,15 +52,15 @@ def wave_number(k: int) -> Real:
 
 
 def slope_factor(x: Real) -> Real:
-    """Factor sigma of the mode shape cosh + cos - sigma (sinh + sin) with the wave number `x`."""
+    """Return the factor sigma of the mode shape cosh + cos - sigma (sinh + sin) with the wave number `x`."""
     return (_CONTEXT.cosh(x) - _CONTEXT.cos(x)) / (_CONTEXT.sinh(x) - _CONTEXT.sin(x))
 
 
 def bending_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Bending modes of a free beam of the stiffness E I [N m2], with pseudo-modes for those above the kept ones.
+    """Return the bending modes of a free beam of stiffness E I [N m2]; pseudo-modes stand for all above the kept ones.
 
-    The number of blocks of Krylov vectors is 0 for none, 1 for the static flexibility, 2 for its first change with the
-    squared frequency as well.
+    `blocks` of Krylov vectors: 0 leaves the other modes out, 1 keeps their static flexibility, 2 also its first change
+    with the squared frequency.
     """
     numbers, rows = _unit_bending_modes(kept, blocks)
     return EndModes(
@@ -71,7 +71,7 @@ def bending_modes(length: float, mass: float, stiffness: float, kept: int, block
 
 @lru_cache(maxsize=64)
 def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
-    """Bending modes of a beam of unit length, mass and stiffness."""
+    """Return the bending modes of a beam of unit length, mass and stiffness."""
     exact = [_end_values(wave_number(k)) for k in range(1, kept + 1)]
     squares = [wave_number(k) ** 2 for k in range(1, kept + 1)]
     signs = [1 if k % 2 else -1 for k in range(1, kept + 1)]
@@ -87,14 +87,14 @@ def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
 
 
 def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Axial modes of a free bar of the stiffness E A [N], otherwise as `bending_modes`."""
+    """Return the axial modes of a free bar of the stiffness E A [N], otherwise as `bending_modes`."""
     numbers, rows = _unit_axial_modes(kept, blocks)
     return EndModes(numbers * math.sqrt(stiffness / mass / length), rows / math.sqrt(mass))
 
 
 @lru_cache(maxsize=64)
 def _unit_axial_modes(kept: int, blocks: int) -> EndModes:
-    """Axial modes of a bar of unit length, mass and stiffness."""
+    """Return the axial modes of a bar of unit length, mass and stiffness."""
     numbers = [k * _CONTEXT.pi for k in range(1, kept + 1)]
     rows = [(_CONTEXT.sqrt(2), (-1) ** k * _CONTEXT.sqrt(2)) for k in range(1, kept + 1)]
     for first, sign in ((_next_of_parity(kept, 1), -1), (_next_of_parity(kept, 0), 1)) if blocks else ():
@@ -111,22 +111,22 @@ def _end_modes(numbers: Sequence[Real], rows: Sequence[Sequence[Real]]) -> EndMo
 
 
 def _end_values(x: Real) -> tuple[Real, Real]:
-    """Deflection and slope times length of a mode at the first end."""
+    """Return the deflection and slope times length of a mode at the first end."""
     return _CONTEXT.mpf(2), -2 * slope_factor(x) * x
 
 
 def _next_of_parity(kept: int, parity: int) -> int:
-    """Number of the first mode above `kept` that is even (`parity` 0) or odd (1)."""
+    """Return the number of the first mode above `kept` that is even (`parity` 0) or odd (1)."""
     return kept + 1 + (kept + 1 + parity) % 2
 
 
 def _sum_over_others(power: int, first: Real) -> Real:
-    """Sum of (k pi)^-power over k = first, first + 2, ..."""
+    """Return the sum of (k pi)^-power for k = first, first + 2, ..."""
     return _CONTEXT.zeta(power, first / _CONTEXT.mpf(2)) * (2 * _CONTEXT.pi) ** -power
 
 
 def _bending_moment(first: int, power: int) -> Any:
-    """(2, 2) sum of v v^T x^(-4 power) over the modes first, first + 2, ...; v as of `_end_values`."""
+    """Return the (2, 2) sum of v v^T x^(-4 power) over the modes first, first + 2, ...; v from `_end_values`."""
     moment = _CONTEXT.matrix(2, 2)
     k = first
     while k <= _ASYMPTOTIC:
@@ -143,7 +143,7 @@ def _bending_moment(first: int, power: int) -> Any:
 
 
 def _pseudo_modes(moments: Sequence[Any], blocks: int) -> tuple[list[Real], list[tuple[Real, ...]]]:
-    """Frequencies and end values of the pseudo-modes of one family, from the sums of v v^T omega^-2p, p = 1, 2, ..."""
+    """Return frequencies and end values of one family's pseudo-modes from the sums of v v^T omega^-2p, p = 1, 2, ..."""
     values = moments[0].rows
     size = values * blocks
     stiffness, gram = _CONTEXT.matrix(size, size), _CONTEXT.matrix(size, size)

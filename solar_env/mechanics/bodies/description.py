@@ -73,7 +73,7 @@ class FlexibleBody(AnyBody):
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
-        masses: places along the axis [m] and masses [kg] of what is fixed there, without inertia of its own.
+        masses: places along the axis [m] and masses [kg] of lumped masses, without moment of inertia.
     """
 
     length: float
@@ -98,10 +98,10 @@ class FlexibleBody(AnyBody):
         return self.length / self.elements
 
     def node(self, point: Point) -> int:
-        """Index of the node at a point of the body frame [m].
+        """Return the index of the node at a point of the body frame [m].
 
         Raises:
-            ValueError: if there is none.
+            ValueError: if no node is there.
         """
         step = self.element_length
         index = round(point[0] / step)
@@ -126,8 +126,8 @@ class ModalPanel(AnyBody):
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
-        modes: number of bending modes that are kept; of axial ones half as many are. What the others contribute to the
-            flexibility of the ends is kept whatever the number, with its first change by the squared frequency.
+        modes: number of bending modes that are kept, with half as many axial ones, rounded up. The flexibility of the
+            ends by all other modes is always kept, with its first change with the squared frequency.
     """
 
     length: float
@@ -153,10 +153,10 @@ class ModalPanel(AnyBody):
         return (self.length / 2, 0.0)
 
     def end(self, point: Point) -> int:
-        """0 or 1 for the end of the panel at a point of the body frame [m].
+        """Return 0 or 1 for the end of the panel at a point of the body frame [m].
 
         Raises:
-            ValueError: if the point is neither.
+            ValueError: if the point is no end.
         """
         for index, x in enumerate((0.0, self.length)):
             if math.hypot(point[0] - x, point[1]) < 1e-9 * self.length:

@@ -1,4 +1,4 @@
-"""Mass, forces, energies and constraints of a body by its kind: every function here chooses that of the kind.
+"""Mass, forces, energies and constraints of a body by its kind: every function here calls the kind's.
 
 Fixed bodies, whatever their kind, have neither inertia nor accelerations.
 """
@@ -18,9 +18,9 @@ def _hold(body, a):
 
 @kernel
 def solve_body(body, constants, q, v, force, a, with_velocity):
-    """Write to `a` the accelerations of a body alone under a generalized `force`; returns its multiplier.
+    """Write to `a` the accelerations of a body alone under a generalized `force`; return its multiplier.
 
-    With `with_velocity` zero, not one, what stems from velocities is left out, which makes the map linear.
+    With `with_velocity` zero, not one, terms by velocities are left out, which makes the map linear.
     """
     if body.fixed:
         _hold(body, a)
@@ -66,7 +66,7 @@ def add_mass_matrix(body, constants, elimination, matrix):
 
 @kernel
 def kinetic_energy(body, constants, v):
-    """Kinetic energy [J] of the body."""
+    """Return the kinetic energy [J] of the body."""
     if body.fixed:
         return 0.0
     if body.kind == CABLE_ELEMENTS:
@@ -76,7 +76,7 @@ def kinetic_energy(body, constants, v):
 
 @kernel(inlined=False)
 def elastic_energy(bodies, q):
-    """Strain energy [J] of all bodies."""
+    """Return the strain energy [J] of all bodies."""
     total = 0.0
     for body in bodies:
         if body.kind == CABLE_ELEMENTS:
@@ -86,7 +86,7 @@ def elastic_energy(bodies, q):
 
 @kernel
 def add_internal_forces(model, q, v, force, element_table):
-    """Add the internal forces of all bodies to `force` (n,); returns the power [W] that their damping takes."""
+    """Add the internal forces of all bodies to `force` (n,); return the power [W] that their damping takes."""
     # Without beams the call alone would take several percent of an evaluation.
     if model.cable_elements.filled.size == 0:
         return 0.0
@@ -95,7 +95,7 @@ def add_internal_forces(model, q, v, force, element_table):
 
 @kernel
 def project_bodies(bodies, q, v):
-    """Return every body to its constraint, and its velocity to the rate's, by the least change in its mass."""
+    """Move every body back to its constraint, and its velocity to the rate's, by the least change in mass metric."""
     for b in range(bodies.size):
         body = bodies[b]
         if body.constraints:

@@ -31,7 +31,7 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def coordinates(self, body: Described) -> int:
-        """Number n of generalized coordinates."""
+        """Return the number n of generalized coordinates."""
 
     @abstractmethod
     def fill(self, body: Described, row: np.void, constants: list[float]) -> None:
@@ -47,28 +47,28 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def initial_motion(self, body: Described) -> tuple[Array, Array]:
-        """Coordinates (n,) and velocities (n,) at t = 0."""
+        """Return the coordinates (n,) and velocities (n,) at t = 0."""
 
     @abstractmethod
     def weight(self, body: Described, gravity: Point) -> Array:
-        """Generalized force (n,) of gravity [m/s2], which must be constant."""
+        """Return the generalized force (n,) of gravity [m/s2], which must be constant."""
 
     def error_weight(self, body: Described) -> Array:
-        """Weights (n,) of the coordinates in error norms: the length by which a unit of each moves the inertia."""
+        """Return the weights (n,) of coordinates in error norms: lengths by which a unit of each moves the inertia."""
         return np.ones(self.coordinates(body))
 
     def stable_step(self, body: Described) -> float:
-        """Largest step [s] with which the explicit method is stable on the free body."""
+        """Return the largest step [s] with which the explicit method is stable on the free body."""
         return math.inf
 
     def rigid_motions(self, q: Array) -> Array:
-        """(3, n) rates of the coordinates as the body moves rigidly: along x, along y, about the origin, at unit speed.
+        """Return the rates (3, n) of coordinates in rigid motions at unit speed: along x, along y, about the origin.
 
-        By default, those of points, of which each has two coordinates.
+        By default, each pair of coordinates is a point.
         """
         along = np.resize([1.0, 0.0], q.size)
         return np.stack([along, 1.0 - along, np.stack([-q[1::2], q[0::2]], axis=1).ravel()])
 
     @abstractmethod
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Points (..., k, 2) [m] along the body's axis from its coordinates (..., n), for pictures."""
+        """Return the points (..., k, 2) [m] along the body's axis from its coordinates (..., n), for pictures."""

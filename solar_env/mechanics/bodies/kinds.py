@@ -1,4 +1,4 @@
-"""Table of the kinds of body, and the rows of bodies that hold what all of them need."""
+"""Table of the kinds of body, and the type of the bodies' rows, with the members that all kinds need."""
 
 from typing import Any
 
@@ -19,17 +19,17 @@ _BODY: Fields = [
     ("offset", np.int64),  # first generalized coordinate
     ("coordinates", np.int64),  # number of generalized coordinates
     ("fixed", np.int64),  # whether the body is held in place
-    ("constraints", np.int64),  # number of constraints among its coordinates: its length, or none
+    ("constraints", np.int64),  # number of constraints among its coordinates: 1 for its length, or 0
     ("length", np.float64),
 ]
 body_type = record(list(dict([*_BODY, *(member for kind in KINDS for member in kind.body_fields)]).items()))
 
 
 def code_of(body: AnyBody) -> int:
-    """Place in `KINDS` of the kind of a described body.
+    """Return the place in `KINDS` of the kind of a described body.
 
     Raises:
-        ValueError: if its class is none of the table.
+        ValueError: if its class is not in the table.
     """
     for code, kind in enumerate(KINDS):
         if type(body) is kind.description:

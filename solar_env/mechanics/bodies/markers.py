@@ -1,8 +1,8 @@
-"""Markers: where they are, how they move, what loads at them do, and the slopes of all this.
+"""Markers: their place, their motion, the effect of loads at them, and the slopes of all three.
 
 Coordinates of bodies are points and vectors, of which a marker is a linear map: with two coordinate pairs p1 and p2 and
 the quarter turn J, place = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction is as long as the
-body, or as a beam is stretched there. Rates follow from velocities by the same map.
+body, or as long as a beam's stretch there. Rates follow from velocities by the same map.
 """
 
 import math
@@ -28,12 +28,12 @@ marker_type = record(
 
 
 def pair_coordinates(row: np.void) -> list[int]:
-    """Indices of the four coordinates that a marker depends on: those of p1, then those of p2."""
+    """Return the indices of the four coordinates that a marker depends on: two of p1, then two of p2."""
     return [int(row["i1"]), int(row["i1"]) + 1, int(row["i2"]), int(row["i2"]) + 1]
 
 
 def place_row(row: np.void, axis: int) -> dict[int, float]:
-    """Coefficients by coordinate of the marker's x (axis 0) or y (axis 1); those that vanish are left out."""
+    """Return the coefficients by coordinate of the marker's x (axis 0) or y (axis 1), without those that vanish."""
     turn = -1.0 if axis == 0 else 1.0
     entries: dict[int, float] = {}
     for first, a, b in ((int(row["i1"]), row["a1"], row["b1"]), (int(row["i2"]), row["a2"], row["b2"])):
@@ -45,7 +45,7 @@ def place_row(row: np.void, axis: int) -> dict[int, float]:
 
 @kernel
 def place(marker, x):
-    """Place [m] from coordinates, or its rate [m/s] from velocities."""
+    """Return the place [m] from coordinates, or its rate [m/s] from velocities."""
     i, k = marker.i1, marker.i2
     return (
         marker.a1 * x[i] - marker.b1 * x[i + 1] + marker.a2 * x[k] - marker.b2 * x[k + 1],
@@ -55,14 +55,14 @@ def place(marker, x):
 
 @kernel
 def direction(marker, x):
-    """Direction vector from coordinates, or its rate from velocities."""
+    """Return the direction vector from coordinates, or its rate from velocities."""
     i, k = marker.i1, marker.i2
     return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
 
 
 @kernel
 def spin(marker, q, v):
-    """Angular velocity [rad/s] of the direction."""
+    """Return the angular velocity [rad/s] of the direction."""
     dx, dy = direction(marker, q)
     ux, uy = direction(marker, v)
     return (dx * uy - dy * ux) / (dx * dx + dy * dy)
@@ -70,7 +70,7 @@ def spin(marker, q, v):
 
 @kernel
 def vector_angle(marker, q, x, y):
-    """Angle [rad] of a vector, counted from the marker's direction."""
+    """Return the angle [rad] of a vector, counted from the marker's direction."""
     dx, dy = direction(marker, q)
     return math.atan2(dx * y - dy * x, dx * x + dy * y)
 
@@ -87,7 +87,7 @@ def add_point_force(marker, fx, fy, force):
 
 @kernel
 def add_torque(marker, q, torque, force):
-    """Add to `force` (n,) the generalized force of a torque [N m]: times the gradient of the direction's angle."""
+    """Add a torque's generalized force to `force` (n,): torque [N m] times the gradient of the direction's angle."""
     dx, dy = direction(marker, q)
     scale = torque / (dx * dx + dy * dy)
     i, k = marker.i1, marker.i2
@@ -99,7 +99,7 @@ def add_torque(marker, q, torque, force):
 
 @kernel(inlined=False)
 def angle_hessian(dx, dy):
-    """Entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
+    """Return the entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
     fourth = (dx * dx + dy * dy) ** 2
     return 2.0 * dx * dy / fourth, (dy * dy - dx * dx) / fourth
 
@@ -108,8 +108,8 @@ def angle_hessian(dx, dy):
 def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
     """Fill the slopes of a marker's motion by its four coordinates, in columns 4 * side and following.
 
-    Slopes of x and y go to rows 0 and 1 of `gradient` (4, 8), those of the direction's angle to row 2 + side; slopes of
-    the rates of these to `rate_slope` (4, 8), where those of the place's rate vanish. Both are zero before.
+    Slopes of x and y go to rows 0 and 1 of `gradient` (4, 8), slopes of the direction's angle to row 2 + side; slopes
+    of their rates go to `rate_slope` (4, 8), where rows 0 and 1 stay zero. Both arrays must be zero before.
     """
     k, angle = 4 * side, 2 + side
     index[k], index[k + 1] = marker.i1, marker.i1 + 1
@@ -130,7 +130,7 @@ def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
 
 @kernel
 def subtract_hessian(marker, q, torque, elimination, matrix):
-    """Subtract torque * Hessian of the direction's angle from `matrix`; that of the place vanishes."""
+    """Subtract torque * Hessian of the direction's angle from `matrix`; the place's Hessian vanishes."""
     dx, dy = direction(marker, q)
     hxx, hxy = angle_hessian(dx, dy)
     for row in range(2):

@@ -52,7 +52,7 @@ class NaturalCoordinates(BodyKind[Body]):
         return q, np.zeros(4) if body.fixed else v
 
     def weight(self, body: Body, gravity: Point) -> Array:
-        """Return the weight of the mass at the centroid; none if fixed."""
+        """Return the weight of the mass at the centroid; zero if fixed."""
         along, across = body.centroid[0] / body.length, body.centroid[1] / body.length
         gx, gy = gravity
         force = np.zeros(4)
@@ -70,7 +70,7 @@ class NaturalCoordinates(BodyKind[Body]):
 def mass_parameters(
     mass: float, inertia: float, length: float, centroid: tuple[float, float]
 ) -> tuple[float, float, float, float]:
-    """Blocks (m11, m22, m12, n12) [kg] of the mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]].
+    """Return the blocks (m11, m22, m12, n12) [kg] of the mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]].
 
     The centroid lies along and across the line p1 -> p2, from p1 [m].
     """
@@ -81,7 +81,7 @@ def mass_parameters(
 
 
 def inverse_mass_parameters(m11: float, m22: float, m12: float, n12: float) -> tuple[float, float, float, float]:
-    """Blocks (w11, w22, w12, x12) of the inverse of the matrix that `mass_parameters` describes."""
+    """Return the blocks (w11, w22, w12, x12) of the inverse of the matrix that `mass_parameters` describes."""
     determinant = m11 * m22 - m12**2 - n12**2
     return m22 / determinant, m11 / determinant, -m12 / determinant, -n12 / determinant
 
@@ -126,7 +126,7 @@ def solve_mass(body, force, a):
 
 @kernel
 def solve_body(body, q, v, force, a, with_velocity):
-    """Acceleration `a` of one body under a generalized `force` that keeps its length; returns its multiplier.
+    """Write the acceleration `a` of one body that keeps its length under a generalized `force`; return its multiplier.
 
     With `with_velocity` zero the centripetal term is left out, which makes the map linear: the body's compliance.
     """
@@ -154,7 +154,7 @@ def solve_body(body, q, v, force, a, with_velocity):
 
 @kernel
 def project_length(body, q, v):
-    """Return the body to its length, and its velocity to rigid motion, by the smallest change in the mass metric."""
+    """Move the body back to its length, and its velocity to rigid motion, by the smallest change in the mass metric."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     squared = dx * dx + dy * dy
@@ -176,14 +176,14 @@ def project_length(body, q, v):
 
 @kernel
 def stretch_along(body, q, x, y):
-    """Scalar product of a difference (x, y) of the base points' motions and the vector between these."""
+    """Return the scalar product of a difference (x, y) of the base points' motions and the vector between them."""
     k = body.offset
     return (q[k + 2] - q[k]) * x + (q[k + 3] - q[k + 1]) * y
 
 
 @kernel
 def length_compliance(body, q):
-    """Acceleration of the length constraint (d.d - length^2) / 2 by a unit of its multiplier."""
+    """Return the acceleration of the length constraint (d.d - length^2) / 2 per unit of its multiplier."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     return (body.w11 + body.w22 - 2.0 * body.w12) * (dx * dx + dy * dy)
@@ -191,7 +191,7 @@ def length_compliance(body, q):
 
 @kernel
 def add_length_force(body, q, multiplier, out):
-    """Add the force of the length constraint's `multiplier` to `out` (n,); returns the constraint's violation."""
+    """Add the force of the length constraint's `multiplier` to `out` (n,); return the constraint's violation."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     out[k] += dx * multiplier
@@ -215,7 +215,7 @@ def add_length_border(body, q, row, elimination, matrix):
 
 @kernel(inlined=False)
 def kinetic_energy(body, v):
-    """Kinetic energy [J] of the body."""
+    """Return the kinetic energy [J] of the body."""
     k = body.offset
     ax, ay, bx, by = v[k], v[k + 1], v[k + 2], v[k + 3]
     total = 0.5 * body.m11 * (ax * ax + ay * ay) + 0.5 * body.m22 * (bx * bx + by * by)

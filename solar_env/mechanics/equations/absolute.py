@@ -81,7 +81,7 @@ class AbsoluteCoordinates(Formulation):
         return 0.0, 0.0
 
     def constraint_force_defect(self, model: Model, state: State) -> tuple[float, float]:
-        """Return the defect of generalized-alpha's multipliers; that of a rigid body's length counts times it."""
+        """Return the defect of generalized-alpha's multipliers; a length's multiplier counts times that length."""
         work, multipliers = _evaluate(model, state)
         scale = np.ones_like(multipliers)
         scale[model.constraints.target.size :] = model.bodies["length"]

@@ -21,12 +21,12 @@ _Row = dict[int, float]
 
 
 def compile_mechanism(mechanism: Mechanism) -> tuple[m.Model, m.State]:
-    """Return the constant model and the initial state of a mechanism.
+    """Compile a mechanism into its constant model and its initial state.
 
     The state is taken as described: it must meet the constraints (checked by `Simulation`).
 
     Raises:
-        ValueError: if a part is attached where a body takes none, or to a body of a kind that does not take it.
+        ValueError: if a part is attached at a point, or to a kind of body, that takes no such part.
     """
     return _Compiler(mechanism).compile()
 
@@ -98,7 +98,7 @@ class _Compiler:
         return bodies
 
     def _marker(self, body_name: str, point: Point) -> int:
-        """Add a marker at a point of a body's frame [m]; returns its index."""
+        """Add a marker at a point of a body's frame [m]; return its index."""
         k = self.index[body_name]
         row = np.zeros(1, dtype=marker_type)[0]
         row["body"] = k
@@ -176,7 +176,7 @@ class _Compiler:
         return np.concatenate([kind.weight(body, self.mechanism.gravity) for kind, body in self._kinds_and_bodies()])
 
     def _loads(self, force: NDArray[np.float64]) -> NDArray[np.void]:
-        """Add the generalized forces of the loads' forces to `force` (n,); returns the rows of their torques."""
+        """Add the generalized forces of the loads' forces to `force` (n,); return the rows of their torques."""
         rows = []
         for load in self.mechanism.loads:
             k = self._marker(load.body, load.point)
@@ -190,7 +190,7 @@ class _Compiler:
         return np.array(rows, dtype=m.load_type)
 
     def _elimination(self, bodies: NDArray[np.void], joints: NDArray[np.void], cables: NDArray[np.void]) -> Elimination:
-        """Order along the bodies, node by node; a multiplier follows the last coordinate that it acts on."""
+        """Return the order along the bodies, node by node; a multiplier follows the last coordinate that it acts on."""
         n, rows = self.size, len(self.rows)
         position = np.full(n + rows + len(self.described), -1, dtype=np.int64)
         held = {body["offset"] + i for body in bodies if body["fixed"] for i in range(body["coordinates"])}

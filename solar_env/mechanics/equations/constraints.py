@@ -1,7 +1,7 @@
-"""Linear constraints of a mechanism: rows, drives, compliance, drift, and the way back to them.
+"""Linear constraints of a mechanism: rows, drives, compliance, drift, and projection on them.
 
 A row of A(t) q = b is an ideal joint's or a drive's. Rows are solved through the bodies' compliances: the
-dual Schur complement A P A^T has one row and column a constraint. Its part at free lengths is constant.
+dual Schur complement A P A^T has one row and column per constraint. Its part at free lengths is constant.
 """
 
 import math
@@ -23,7 +23,7 @@ def add_row(model, work, r, weight, x):
 
 @kernel
 def row_product(model, work, r, x):
-    """Constraint row `r` times `x` (n,)."""
+    """Return the constraint row `r` times `x` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
     total = 0.0
     for k in range(model.constraints.size[r]):
@@ -33,7 +33,7 @@ def row_product(model, work, r, x):
 
 @kernel
 def fill_column(model, work, r):
-    """Inverse mass matrix times constraint row `r`, into its column, with the stretch of lengths by it."""
+    """Fill column `r`, the inverse mass matrix times constraint row `r`, and the stretch of the lengths by it."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
     for side in range(2):
         b = model.constraints.bodies[r, side]
@@ -69,7 +69,7 @@ def fill_columns(model, work, driven):
 
 @kernel
 def drive_angle(drive, time):
-    """Prescribed angle [rad], rate and angular acceleration of a drive."""
+    """Return the prescribed angle [rad], rate and angular acceleration of a drive."""
     span = drive.ramp_time
     if span <= 0.0 or time >= span:
         return drive.angle + drive.rate * (time - 0.5 * span), drive.rate, 0.0
@@ -93,7 +93,7 @@ def set_drive_rows(model, time, row_value):
 
 @kernel
 def drive_motion(model, drive, time, q, v):
-    """Explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
+    """Return explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
     marker = model.markers[drive.marker]
     psi, turn, turn_up = drive_angle(drive, time)
     c, s = math.cos(psi), math.sin(psi)
@@ -106,7 +106,7 @@ def drive_motion(model, drive, time, q, v):
 
 @kernel
 def build_schur(model, q, work):
-    """Compliance of the linear constraints, factored; False if they are redundant.
+    """Build and factor the compliance of the linear constraints; return False if they are redundant.
 
     A row's compliance at free lengths is constant; a body's length takes a rank-one part from it.
     """
@@ -172,7 +172,7 @@ def prepare_response(model, q, time, work):
 
 @kernel
 def constraint_drift(model, q, time, work):
-    """Greatest violation [m] of the linear constraints; leaves it by row in `work.residual`."""
+    """Return the greatest violation [m] of the linear constraints; leave all by row in `work.residual`."""
     worst = 0.0
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
@@ -184,7 +184,7 @@ def constraint_drift(model, q, time, work):
 
 @kernel
 def velocity_drift(model, q, v, time, work):
-    """Greatest violation [m/s] of the linear constraints' rates; leaves it by row in `work.residual`."""
+    """Return the greatest violation [m/s] of the linear constraints' rates; leave all by row in `work.residual`."""
     residual = work.residual
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
@@ -202,7 +202,7 @@ def velocity_drift(model, q, v, time, work):
 
 @kernel
 def project(model, q, v, time, work):
-    """Return positions and velocities to the constraints by the smallest change in the mass metric.
+    """Move positions and velocities back to the constraints by the smallest change in the mass metric.
 
     `work` must hold the compliance of the linear constraints hereabouts, from `prepare_response` or from an
     evaluation of the accelerations.
@@ -214,7 +214,7 @@ def project(model, q, v, time, work):
 
 @kernel
 def project_linear(model, q, v, time, work):
-    """`project` for the linear constraints."""
+    """Project on the linear constraints, as `project` does on all constraints."""
     residual = work.residual
     constraint_drift(model, q, time, work)
     # The velocities are corrected with the rows of the same configuration: the position change is tiny.
@@ -224,5 +224,5 @@ def project_linear(model, q, v, time, work):
         cholesky_solve(work.schur, residual.size, residual)
         target = q if kind == 0 else v
         subtract_response(model, q, work, residual, target)
-    # The position change leaves the lengths only to second order.
+    # The position change violates the lengths, but only to second order.
     project_bodies(model.bodies, q, v)

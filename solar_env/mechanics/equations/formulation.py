@@ -11,7 +11,7 @@ from solar_env.mechanics.mechanism.description import Mechanism
 
 Array = NDArray[np.float64]
 ModelArrays = Any  # a formulation's named tuple of constant arrays
-StateArrays = Any  # that of what changes in a run
+StateArrays = Any  # a formulation's named tuple of the arrays that change in a run
 
 
 class JointView(NamedTuple):
@@ -28,9 +28,9 @@ class JointView(NamedTuple):
 class Formulation(ABC):
     """A formulation, with one named tuple of arrays for models and one for states.
 
-    Runs, batches, recordings, environments and pictures know of these arrays what all formulations share: of a model
+    Runs, batches, recordings, environments and pictures read only the arrays that all formulations share: of a model
     `joints` and `length_scale`, of a state `q`, `v`, `integrals`, `joints`, `wear_journal`, `wear_bearing` and `clock`.
-    Whatever else there is to know is asked here.
+    They ask a formulation for everything else.
 
     Attributes:
         view_joint: kernel (model, state, joint index) -> `JointView`.
@@ -40,7 +40,7 @@ class Formulation(ABC):
 
     @abstractmethod
     def compile(self, mechanism: Mechanism) -> tuple[ModelArrays, StateArrays]:
-        """Model and initial state of a mechanism.
+        """Compile a mechanism into its model and its initial state.
 
         Raises:
             ValueError: if the mechanism has a part that the formulation does not take.
@@ -48,36 +48,36 @@ class Formulation(ABC):
 
     @abstractmethod
     def begin(self, model: ModelArrays, state: StateArrays) -> None:
-        """Fill what a state holds beside positions and velocities before a run."""
+        """Fill a state's arrays beside positions and velocities before a run."""
 
     @abstractmethod
     def drift(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Greatest violations of a constraint and of a constraint's rate, in m and m/s."""
+        """Return the greatest violations of a constraint and of a constraint's rate, in m and m/s."""
 
     @abstractmethod
     def joint_loads(self, model: ModelArrays, state: StateArrays) -> Array:
-        """(joints, LOAD_COLUMNS) table of angles, rates, forces and torques; columns are named in `arrays.columns`."""
+        """Return the table (joints, LOAD_COLUMNS) of angles, rates, forces and torques, see `arrays.columns`."""
 
     @abstractmethod
     def stored_energies(self, model: ModelArrays, state: StateArrays) -> Array:
-        """(ENERGIES,) stored energies [J], in the order of `model.ENERGY_NAMES`."""
+        """Return the (ENERGIES,) stored energies [J], in the order of `model.ENERGY_NAMES`."""
 
     @abstractmethod
     def greatest_weight(self, model: ModelArrays) -> float:
-        """Greatest magnitude of a constant force [N]."""
+        """Return the greatest magnitude of a constant force [N]."""
 
     @abstractmethod
     def momenta(self, model: ModelArrays, state: StateArrays) -> Array:
-        """(3,) linear momentum [N s] and angular momentum about the origin [N m s] of the bodies that move."""
+        """Return the momenta (3,) of the moving bodies: linear [N s], and angular about the origin [N m s]."""
 
     @abstractmethod
     def centreline(self, model: ModelArrays, q: Array, body: int, points_per_element: int) -> Array:
-        """Points along the axis of a body, see `analysis.geometry.centreline`."""
+        """Return the points along the axis of a body, see `analysis.geometry.centreline`."""
 
     @abstractmethod
     def modal_range(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Greatest slope of a modal panel's end so far [rad], and greatest spin over its lowest angular frequency."""
+        """Return maxima so far: slope of a modal panel's end [rad], spin divided by lowest angular frequency."""
 
     @abstractmethod
     def constraint_force_defect(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Greatest difference of a constraint force from the one that holds its constraint, and greatest force [N]."""
+        """Return the greatest error of forces against those that hold the constraints, and the greatest force [N]."""

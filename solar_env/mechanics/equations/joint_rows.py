@@ -11,7 +11,7 @@ from solar_env.mechanics.mechanism.description import Bearing, CableLoop, Flexib
 
 
 def fill_joint(record: np.void, joint: Joint) -> None:
-    """Fill what a joint's row, of `model.joint_type`, holds of its angle, its spring and its stop."""
+    """Fill a joint's row (`model.joint_type`): angle, springs, harness, damper, friction, stop and hold-down."""
     turn = joint.folded_angle + joint.sign * joint.middle
     record["sign"] = joint.sign
     record["middle"] = joint.middle
@@ -41,7 +41,7 @@ def fill_joint(record: np.void, joint: Joint) -> None:
 
 
 def fill_bearing(record: np.void, bearing: Bearing) -> None:
-    """Fill what the row of a joint with clearance holds of its bearing and of the laws of contact and friction."""
+    """Fill the row of a joint with clearance: its bearing and the laws of contact and friction."""
     for name in ("clearance", "journal_radius", "minimum_impact_speed", "friction_coefficient", "wear_coefficient"):
         record[name] = getattr(bearing, name)
     record["contact"] = bearing.contact.parameters()
@@ -51,7 +51,7 @@ def fill_bearing(record: np.void, bearing: Bearing) -> None:
 
 
 def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: NDArray[np.void]) -> None:
-    """Fill a cable loop's row, of `model.cable_type`, after the markers of the joints' rows.
+    """Fill a cable loop's row (`model.cable_type`); the joints' rows must have their markers.
 
     Raises:
         ValueError: if the loop has no chord or its wheels do not fit.
@@ -82,13 +82,13 @@ def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
 
 
 def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:
-    """Whether the axis of the body between a cable loop's joints runs from the first to the second (1) or back (-1).
+    """Return 1 if the axis of the body between a cable loop's joints runs from the first to the second, -1 if back.
 
-    0 where the wheels need no chord: on a rigid body, against which they turn as against its chord, unless
-    the loop pulls on the bearings.
+    Return 0 where the wheels need no chord: on a rigid body, which turns with its chord, unless the loop pulls on the
+    bearings.
 
     Raises:
-        ValueError: if the body needs two points on its axis and has them not.
+        ValueError: if a chord is needed and the joints are not at two points of the body's axis.
     """
     joints = {joint.name: joint for joint in mechanism.joints}
     first, last = joints[cable.joint_a], joints[cable.joint_b]

@@ -20,7 +20,7 @@ class NewtonMatrices(NamedTuple):
 
     mass: ProfileMatrix  # constant
     stiffness: ProfileMatrix  # minus the slope of the applied forces by coordinates
-    damping: ProfileMatrix  # and by velocities
+    damping: ProfileMatrix  # minus the slope of the applied forces by velocities
     matrix: ProfileMatrix
     tangent: TangentScratch
 
@@ -47,7 +47,7 @@ def fill_mass(model, matrix):
 
 @kernel(inlined=False)
 def linearize_forces(model, joint_states, q, v, newton):
-    """Stiffness and damping at a configuration for which the workspace of `newton.tangent` is current."""
+    """Compute the stiffness and damping at a configuration for which the workspace of `newton.tangent` is current."""
     fill_tangents(model, joint_states, q, v, newton.tangent, newton.stiffness, newton.damping)
 
 

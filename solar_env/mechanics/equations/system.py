@@ -37,7 +37,7 @@ class Workspace(NamedTuple):
     columns: NDArray[np.float64]  # (rows, n) inverse mass matrix times rows
     free_schur: NDArray[np.float64]  # (rows, rows) rows times columns
     stretch: NDArray[np.float64]  # (rows, 2, 2) stretch of a row's two bodies by its column
-    pull: NDArray[np.float64]  # (rows, 2) that stretch along the body, at the present configuration
+    pull: NDArray[np.float64]  # (rows, 2) the stretch along the body, at the present configuration
     schur: NDArray[np.float64]  # (rows, rows) compliance of the rows, factored
     residual: NDArray[np.float64]  # (rows,)
     row_force: NDArray[np.float64]  # (n,)
@@ -96,7 +96,7 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
 
 @kernel
 def acceleration_response(model, q, work, force, a):
-    """Write to `a` (n,) what a generalized `force` (n,) adds to the accelerations."""
+    """Write to `a` (n,) the accelerations that a generalized `force` (n,) adds."""
     rows = work.schur.shape[0]
     for b in range(model.bodies.size):
         dispatch.solve_body(model.bodies[b], model.body_constants, q, q, force, a, 0.0)
@@ -110,7 +110,7 @@ def acceleration_response(model, q, work, force, a):
 
 @kernel
 def applied_forces(model, joint_states, q, v, work):
-    """Fill `work` with all generalized forces but the constraints', with loads and powers."""
+    """Fill `work` with all generalized forces except the constraints', with loads and powers."""
     force, power, loads = work.force, work.power, model.loads
     copy_into(force, model.constant_force)
     external = 0.0
@@ -125,9 +125,9 @@ def applied_forces(model, joint_states, q, v, work):
 
 @kernel
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """Accelerations (n,) at a configuration, with loads and powers in `work`; False if constraints are redundant.
+    """Compute the accelerations (n,), with loads and powers in `work`; return False if constraints are redundant.
 
-    `multipliers` receives those of the linear rows, then one per body for its length.
+    `multipliers` receives one per linear row, then one per body for its length.
     """
     force = work.force
     rows = work.residual.size
@@ -141,7 +141,7 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 @kernel(inlined=False)
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """`inlined_accelerations` as a call: inlined at every place it would take long to compile."""
+    """Call `inlined_accelerations`, which would take long to compile if it were inlined at every place."""
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
@@ -199,10 +199,10 @@ def stored_energies(model, joint_states, q, v, loads, energies):
 
 @kernel(inlined=False)
 def normal_inverse_mass(model, q, v, j, work):
-    """Inverse effective mass [1/kg] of joint `j` along its line of centres: acceleration per unit normal force."""
+    """Return the inverse effective mass [1/kg] of joint `j` along its line of centres: acceleration per unit force."""
     joint = model.joints[j]
     total = 0.0
-    # Approximated by the two bodies alone: what else hangs on them moves only after the contact's onset.
+    # Approximated by the two bodies alone: other bodies that hang on them move only after the contact's onset.
     dx, dy = work.loads[j, columns.ECCENTRICITY_X], work.loads[j, columns.ECCENTRICITY_Y]
     size = math.hypot(dx, dy)
     nx, ny = (dx / size, dy / size) if size > 0.0 else (1.0, 0.0)

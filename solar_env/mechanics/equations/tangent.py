@@ -26,11 +26,11 @@ from solar_env.mechanics.numerics.profile import add_entry, clear
 
 
 class TangentScratch(NamedTuple):
-    """Arrays of `fill_tangents`; loads and impact speeds are those of the workspace."""
+    """Arrays of `fill_tangents`; loads and impact speeds are shared with the workspace."""
 
     loads: NDArray[np.float64]
     impact_speeds: NDArray[np.float64]
-    coordinates: NDArray[np.int64]  # (joints, 8) those that a joint depends on
+    coordinates: NDArray[np.int64]  # (joints, 8) coordinates that a joint depends on
     b: NDArray[np.float64]  # (4, 8)
     rate_slope: NDArray[np.float64]  # (4, 8)
     stiffness: NDArray[np.float64]  # (4, 4)
@@ -82,7 +82,7 @@ def local_map(joint, markers, q, v, index, b, rate_slope):
 def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_speed, stiffness, damping):
     """Add the slopes of (force x, force y, outboard torque, inboard torque) by the local coordinates and their rates.
 
-    Returns the tangential force and its lever.
+    Return the tangential force and its lever.
     """
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)

@@ -15,19 +15,19 @@ from solar_env.mechanics.joints.torques.stop import stop_depth
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import latch
 
-# Typed: Numba would compile the functions that take a literal for each one anew.
+# Typed: for literals Numba would compile the functions that take one for each value anew.
 NO_EVENT, CONTACT_START, LATCHING, STOP_ENGAGEMENT = (np.int64(kind) for kind in range(4))
-# A curved path can graze a wall inside the step: it is looked at between the ends, too.
+# Looks at an event function in a step: a curved path can graze a wall between the ends.
 _LOOKS = 4
-SMALLEST_PART = 1e-13  # s, of a step before an event; in less time nothing moves
-# Of clearances, and angles [rad], by which the end of a step that was cut may miss its event.
+SMALLEST_PART = 1e-13  # s, least part of a step before an event; in less time nothing moves
+# Share of a clearance, or angle [rad], by which the end of a step that was cut may miss its event.
 _TOLERANCE = 1e-6
 _MOST_CUTS = 20
 
 
 @kernel
 def event_function(model, state, settings, arrays, j, kind, h, share):
-    """Depth [m], or angle past the lock or into the stop [rad], that rises through zero at an event of joint `j`."""
+    """Return joint `j`'s depth [m], or angle past lock or in a stop [rad], that rises through zero at the event."""
     if kind == CONTACT_START:
         return depth_of(settings)(model, state, arrays, j, h, share)
     angle = angle_of(settings)(model, state, arrays, j, h, share)
@@ -39,7 +39,7 @@ def event_function(model, state, settings, arrays, j, kind, h, share):
 
 @kernel
 def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high):
-    """Share of the step at which the event function rises through zero: Illinois iteration, ending on its far side."""
+    """Find by Illinois iteration the share of the step where the event function has just risen through zero."""
     for _ in range(60):
         if high - low < 1e-12 or f_high == 0.0:
             break
@@ -61,7 +61,7 @@ def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high)
 
 @kernel
 def first_rise(model, state, settings, arrays, j, kind, h):
-    """Share of the step at which the event function first rises through zero; 2 if it does not."""
+    """Return the share of the step at which the event function first rises through zero; 2 if it does not."""
     low, f_low = 0.0, event_function(model, state, settings, arrays, j, kind, h, 0.0)
     for k in range(1, _LOOKS + 1):
         high = k / _LOOKS
@@ -76,7 +76,7 @@ def first_rise(model, state, settings, arrays, j, kind, h):
 
 @kernel
 def first_event(model, state, settings, arrays, h):
-    """Earliest contact start, latching or stop engagement inside the step `h` [s]: (share, joint, kind)."""
+    """Return the earliest contact start, latching or stop engagement inside the step `h` [s]: (share, joint, kind)."""
     share, which, what = 1.0, np.int64(-1), NO_EVENT
     for j in range(model.joints.size):
         joint, joint_state, number = model.joints[j], state.joints[j], np.int64(j)
@@ -98,18 +98,18 @@ def first_event(model, state, settings, arrays, h):
 
 @kernel
 def is_passed(model, state, settings, arrays, j, kind, h, sign):
-    """Whether the end of the step `h` [s] lies beyond an event by more than the tolerance, or before it (sign -1)."""
+    """Return whether the step `h` [s] ends beyond an event (sign 1), or before it (-1), by more than the tolerance."""
     tolerance = _TOLERANCE * (model.joints[j].clearance if kind == CONTACT_START else 1.0)
     return sign * event_function(model, state, settings, arrays, j, kind, h, 1.0) > tolerance
 
 
 @kernel
 def place_of_event(model, state, settings, arrays, h, joint, kind):
-    """Where the step `h` [s] in hand is to end: share of it, joint and kind of event there, and whether to solve again.
+    """Find where the step `h` [s] in hand ends: share of it, joint and kind of event there, and whether to solve again.
 
-    A step that was cut at the event `kind` of a `joint` moves a little, and vibrations within a long one pass by its
-    interpolant: all joints are looked at again after every cut. The share is 1 where the step ends as it is, and less
-    than SMALLEST_PART of a second where the event is one of its start.
+    A step that was cut at the event `kind` of a `joint` has a slightly different motion, and a long step's interpolant
+    misses vibrations: all joints are looked at again after every cut. The share is 1 where the step ends as it is, and
+    share * h is at most SMALLEST_PART [s] where the event is at its start.
     """
     cuts = arrays.trial[0].cuts
     share, other, found = first_event(model, state, settings, arrays, h)

@@ -72,7 +72,7 @@ def record_until(model, state, settings, arrays, recorder, h, end):
 
 @kernel(inlined=False)
 def begin_call(model, state, settings, recorder, arrays):
-    """Prepare the arrays of a call and record its start; a status code."""
+    """Prepare the arrays of a call and record its start; return a status code."""
     arrays.trial[0].at_once = 0
     if not begin_of(settings)(model, state, settings, arrays):
         return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
@@ -83,7 +83,7 @@ def begin_call(model, state, settings, recorder, arrays):
 
 @kernel
 def choose_step(model, state, settings, arrays, end_time):
-    """Fill the trial with the step to take: what accuracy, impacts, the method and the end of the call allow."""
+    """Fill the trial with the step to take, as accuracy, impacts, the method and the end of the call allow."""
     clock, trial = state.clock[0], arrays.trial[0]
     remaining = end_time - clock.time
     trial.retry, trial.reason, trial.joint = 0.0, m.DONE, -1
@@ -95,7 +95,7 @@ def choose_step(model, state, settings, arrays, end_time):
 
 @kernel
 def reject(model, state, settings, arrays, h, error):
-    """Shorten the next step after one of size `h` [s] that is refused; a status code."""
+    """Shorten the next step after one of size `h` [s] that is refused; return a status code."""
     clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
     clock.rejected_steps += 1
     if trial.retry == 0.0:
@@ -129,7 +129,7 @@ def choose_next(model, state, settings, arrays):
 def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
     """Book an accepted step that began at `start` [s]: wear, force maxima, and contacts and stops that have opened.
 
-    What has begun at its end, at `event_joint`, does not end there.
+    An event at `event_joint` that has begun at the step's end does not end there.
     """
     time, latched = state.clock[0].time, state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
@@ -181,7 +181,7 @@ def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
 
 @kernel
 def begin_at_once(model, state, settings, arrays, joint, kind):
-    """Begin an event of the accepted state, without a step; a status code."""
+    """Begin an event of the accepted state, without a step; return a status code."""
     trial = arrays.trial[0]
     trial.at_once += 1
     if trial.at_once > _MOST_EVENTS_AT_ONCE:
@@ -198,7 +198,7 @@ def begin_at_once(model, state, settings, arrays, joint, kind):
 
 @kernel
 def check_state(model, state, arrays):
-    """Status of an accepted state: finite, contact depths and joint angles within what the model describes."""
+    """Check that the state is finite, with depths and angles in the model's range; return a status code."""
     if not (all_finite(state.q) and all_finite(state.v)):
         return fail(state, m.NOT_FINITE, -1, math.nan)
     for j in range(model.joints.size):
@@ -211,7 +211,7 @@ def check_state(model, state, arrays):
 
 @kernel
 def take_step(model, state, settings, recorder, end_time, arrays):
-    """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
+    """Try a step towards `end_time` [s]; if its error allows, take it to its first event; return a status code."""
     trial = arrays.trial[0]
     choose_step(model, state, settings, arrays, end_time)
     h, share, joint, kind, again = trial.step, 1.0, np.int64(-1), NO_EVENT, True
@@ -242,9 +242,9 @@ def take_step(model, state, settings, recorder, end_time, arrays):
 
 @kernel
 def advance(model, state, settings, recorder, end_time, steps_left, arrays):
-    """Advance `state` in place to `end_time` [s]; returns a status code, and how many of the steps allowed are left.
+    """Advance `state` in place to `end_time` [s]; return a status code, and the number of allowed steps left.
 
-    A call that stops for the number of its steps lands on nothing: the next one goes on to the same bits.
+    A call that stops for the number of its steps shortens no step for that: the next call goes on to the same bits.
     """
     clock = state.clock[0]
     status = begin_call(model, state, settings, recorder, arrays)
@@ -266,7 +266,7 @@ def advance_lanes(models, states, settings, recorder, arrays, queue, counter, st
     """Advance lanes one after the other, next to other threads that do the same.
 
     Args:
-        models, states: handles of those of all lanes (`lanes.py`).
+        models, states: handles of the arrays of all lanes (`lanes.py`).
         settings: of the method as the kernels take them; their type chooses the method.
         recorder: takes samples and contacts of every lane.
         arrays: handle of the thread's scratch arrays.

@@ -10,9 +10,9 @@ import numpy as np
 
 from solar_env.support.values import check_positive, is_number, plain
 
-# The exit speed of an impact is then good to 1 %: measured (`studies/stability/impact_maps.py`).
-FEWEST_EXPLICIT_STEPS = 4  # of an impact, explicit Runge-Kutta
-_FEWEST_IMPLICIT_STEPS = 8  # of an impact, generalized-alpha, where its algorithmic damping does not need more
+# Fewest steps of an impact with which its exit speed is good to 1 %: measured (`studies/stability/impact_maps.py`).
+FEWEST_EXPLICIT_STEPS = 4  # of explicit Runge-Kutta
+_FEWEST_IMPLICIT_STEPS = 8  # of generalized-alpha, where its algorithmic damping does not need more
 # Frequency of a Hertzian contact at its deepest times the duration of the impact: sqrt(15 / 8) * 2.94328.
 _HERTZ_PHASE = math.sqrt(15.0 / 8.0) * 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
 
@@ -29,10 +29,10 @@ class RungeKutta:
         impact_resolution: least number of steps per predicted duration of an impact, `fewest_steps` or more.
         max_steps: bound on the steps of one call, tried ones included; the default is about a minute of rigid panels.
 
-    A run asks the same of every method: `name`; whether it `takes_drives`; whether its multipliers only settle to
+    Every method has further attributes: `name`; whether it `takes_drives`; whether its multipliers only settle to
     the constraint forces after a change of step (`settles_forces`); `steps_needed_per_impact`, None if its steps
-    adapt to impacts; `loosest_in_contact`, the rtol up to which single contacts can be trusted; and `remedy`, what
-    makes its energy book close better.
+    adapt to impacts; `loosest_in_contact`, the rtol up to which single contacts can be trusted; and `remedy`, the
+    advice that makes its energy book close better.
     """
 
     rtol: float = 1e-6
@@ -51,7 +51,7 @@ class RungeKutta:
     least_rtol = 1e-13
 
     def with_options(self, step: float | None, rtol: float | None) -> RungeKutta:
-        """These settings, with a bound on the step [s] or a tolerance if they are given."""
+        """Return these settings with another step or bound on it [s], or another tolerance, where one is given."""
         if step is not None:
             check_positive("step", step, " s")
         return replace(self, max_step=self.max_step if step is None else step, rtol=self.rtol if rtol is None else rtol)
@@ -75,7 +75,7 @@ class Rosenbrock(RungeKutta):
 
     The stiff vibrations of flexible bodies then do not bound the steps. In impacts, and wherever accuracy asks for
     short steps anyway, these remain explicit; with flexible bodies their velocity scale shrinks while the whole
-    mechanism is slow, because impacts amplify the errors of those before them. Mechanisms with drives are refused.
+    mechanism is slow, because impacts amplify earlier errors. Mechanisms with drives are refused.
     """
 
     rtol: float = 1e-4
@@ -88,8 +88,8 @@ class Rosenbrock(RungeKutta):
 class ModalRadau(RungeKutta):
     """Three-stage Radau IIA on the loads of the joints (`modal`), for rigid bodies and modal panels.
 
-    Of the local error, contact depths are relative to themselves, and where every joint has clearance velocities are
-    relative to the hinges' rates times the longest body if that is less than velocity_scale, down to a hundredth of it.
+    Errors of contact depths are relative to the depths. Where every joint has clearance, velocity errors are relative
+    to the hinges' rates times the longest body, if less than velocity_scale, down to a hundredth of velocity_scale.
     Mechanisms with drives or loads are refused.
     """
 
@@ -101,7 +101,7 @@ class ModalRadau(RungeKutta):
     takes_drives = False
     fewest_steps = 3
     least_rtol = 1e-10
-    # Up to here none of 30 deployments had a peak force out of line, at 0.03 five had one of three to fifteen times.
+    # Up to here no peak force of 30 deployments was out of line; at 0.03 five were, by factors of three to fifteen.
     loosest_in_contact = 1e-2
 
 
@@ -130,11 +130,11 @@ class GeneralizedAlpha:
 
     @property
     def steps_needed_per_impact(self) -> int:
-        """Steps that an impact needs of a fixed step."""
+        """Number of fixed steps that an impact needs."""
         return steps_per_impact(self.rho_inf)
 
     def with_options(self, step: float | None, rtol: float | None) -> GeneralizedAlpha:
-        """These settings with another step [s] if one is given.
+        """Return these settings with another step or bound on it [s], or another tolerance, where one is given.
 
         Raises:
             ValueError: if a tolerance is given.
@@ -167,7 +167,7 @@ def _check_settings(integrator: Integrator, names: tuple[str, ...]) -> None:
 
 
 def alpha_coefficients(rho_inf: float) -> tuple[float, float, float, float]:
-    """(alpha_m, alpha_f, beta, gamma) for a spectral radius at infinite frequency (Chung and Hulbert 1993)."""
+    """Return (alpha_m, alpha_f, beta, gamma) for a spectral radius at infinite frequency (Chung and Hulbert 1993)."""
     alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0)
     alpha_f = rho_inf / (rho_inf + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
@@ -176,11 +176,11 @@ def alpha_coefficients(rho_inf: float) -> tuple[float, float, float, float]:
 
 @lru_cache(maxsize=64)
 def steps_per_impact(rho_inf: float) -> int:
-    """Steps that generalized-alpha needs in a Hertzian impact for an exit speed good to 1 %.
+    """Return the number of steps that generalized-alpha needs in a Hertzian impact for an exit speed good to 1 %.
 
-    At least 8, which its start and end inside a step ask for; with small `rho_inf` more, because the algorithmic
-    damping takes the spectral radius of the amplification matrix to the number of steps off the speed. That is taken
-    at the frequency of the contact at its deepest.
+    At least 8, since an impact starts and ends inside a step; with small `rho_inf` more, because algorithmic damping
+    multiplies the speed by the spectral radius of the amplification matrix in every step. The radius is taken at the
+    frequency of the contact at its deepest.
     """
     steps = _FEWEST_IMPLICIT_STEPS
     while amplification_radius(rho_inf, _HERTZ_PHASE / steps) ** steps < 0.99:
@@ -189,7 +189,7 @@ def steps_per_impact(rho_inf: float) -> int:
 
 
 def amplification_radius(rho_inf: float, phase: float) -> float:
-    """Spectral radius of generalized-alpha for u'' = -omega^2 u at `phase` = omega * step (Chung and Hulbert 1993).
+    """Return the spectral radius of generalized-alpha for u'' = -omega^2 u at `phase` = omega * step.
 
     J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371, doi:10.1115/1.2900803.
     """

@@ -5,7 +5,7 @@ The strands run from hinge to hinge, along the chord of the body between, its ca
 counts from there. On a rigid carrier that is the joint's angle. On one that bends the loop pulls at the hinges, across
 the chord, and not at the slopes of the carrier's ends; its generalized forces are the gradients of the wheels' angles.
 
-A loop that pulls on the bearings (Eq 3) runs from wheel centre to wheel centre, which are the hinges but for the
+A loop that pulls on the bearings (Eq 3) runs from wheel centre to wheel centre, which are the hinges up to the
 clearances. Two strands touch wheels of radii r1 and r2 at the distance d; each is longer by the growth of
 sqrt(d^2 - (r1 - r2)^2) + (r1 - r2) asin((r1 - r2) / d), whose slope is cos phi with sin phi = (r1 - r2) / d. With the
 tensions F1 and F2 the wheels feel (F1 - F2) r1 and (F1 - F2) r2, and their centres (F1 + F2) cos phi along and, so that
@@ -22,10 +22,10 @@ from solar_env.mechanics.numerics.vectors import where_less
 
 @kernel
 def cable_torque(cable, stretch):
-    """Torque of a closed cable loop on its outer joint, its slope, and its energy, at a wheel-angle mismatch [rad].
+    """Return the torque of a cable loop on its outer joint, its slope, and its energy, at a wheel-angle mismatch [rad].
 
-    Two strands of equal stiffness; when the torque reaches twice the preload's, one is slack and only the other acts
-    on (tensions are never negative: paper, Eqs 2-4). It takes a number, or a vector of several.
+    Two strands of equal stiffness; when the torque reaches twice the preload's, one is slack and the other acts
+    alone (tensions are never negative: paper, Eqs 2-4). It takes a number, or a vector of several.
     """
     taut_limit = 2.0 * cable.preload_torque / cable.stiffness if cable.stiffness > 0.0 else math.inf
     magnitude = abs(stretch)
@@ -38,7 +38,7 @@ def cable_torque(cable, stretch):
 
 @kernel
 def strand(cable, elongation):
-    """Tension of a strand [N], its stiffness, and its energy beyond that of the preload, by its elongation [m]."""
+    """Return a strand's tension [N], stiffness [N/m] and energy [J] beyond the preload's, by its elongation [m]."""
     stiffness = 0.5 * cable.stiffness / (cable.wheel_radius * cable.wheel_radius)
     preload = cable.preload_torque / cable.wheel_radius
     tension = preload + stiffness * elongation
@@ -49,21 +49,21 @@ def strand(cable, elongation):
 
 @kernel
 def strand_length(offset, distance):
-    """Length of a strand [m] but for a constant, by what the radii differ (or add up to) and the wheels' distance."""
+    """Return a strand's length [m] up to a constant; `offset` is the difference (or sum) of the wheels' radii [m]."""
     return math.sqrt(distance * distance - offset * offset) + offset * math.asin(offset / distance)
 
 
 @kernel
 def belt_loads(cable, stretch, distance):
-    """Torque on the outer wheel and pull on the wheels' centres, with slopes and energy.
+    """Return the torque on the outer wheel and pull on the wheels' centres, with slopes and energy.
 
     Args:
         cable: row of the loop.
         stretch: mismatch of the wheels' angles [rad].
-        distance: of the wheels' centres [m]; of no account where the loop does not pull.
+        distance: of the wheels' centres [m]; ignored where the loop does not pull.
 
     Returns:
-        Torque [N m], pull [N], energy [J]; slopes of the torque by the mismatch, of either by the other's variable, and
+        Torque [N m], pull [N], energy [J]; slopes of the torque by the mismatch, of each by the other's variable,
         of the pull by the distance.
     """
     if cable.wheel_radius == 0.0:
@@ -83,7 +83,7 @@ def belt_loads(cable, stretch, distance):
 
 @kernel
 def chord(cable, markers, q):
-    """Vector [m] along which the belt runs, from the inner to the outer joint."""
+    """Return the vector [m] along which the belt runs, from the inner to the outer joint."""
     ax, ay = place(markers[cable.first], q)
     bx, by = place(markers[cable.last], q)
     return bx - ax, by - ay
@@ -91,7 +91,7 @@ def chord(cable, markers, q):
 
 @kernel
 def wheel_motion(cable, joints, markers, q, inner, outer):
-    """Mismatch [rad] of the wheels' angles against the chord, and the chord's length [m], at the joints' angles."""
+    """Return the mismatch [rad] of the wheels' angles against the chord, and its length [m], from the joint angles."""
     length = 0.0
     if cable.chord_sense != 0:
         a, b = joints[cable.joint_a], joints[cable.joint_b]
@@ -105,7 +105,7 @@ def wheel_motion(cable, joints, markers, q, inner, outer):
 
 @kernel
 def inner_wheel_rate(cable, joints, markers, q, v, rate):
-    """Rate [rad/s] of the inner wheel's angle, at that of its joint."""
+    """Return the rate [rad/s] of the inner wheel's angle, from the `rate` of its joint."""
     if cable.chord_sense != 0:
         a = joints[cable.joint_a]
         x, y = chord(cable, markers, q)
@@ -118,13 +118,13 @@ def inner_wheel_rate(cable, joints, markers, q, v, rate):
 
 @kernel
 def end_torques(cable, joints, torque):
-    """Torques [N m] of the wheels on what they turn against, inner and outer, by the loop's on its outer joint."""
+    """Return the torques [N m] of inner and outer wheel on the carrier, from the loop's torque on its outer joint."""
     return -cable.torque_ratio * torque * joints[cable.joint_a].sign, -torque * joints[cable.joint_b].sign
 
 
 @kernel
 def chord_force(cable, markers, q, moment, pull):
-    """Force [N] on a chord's last end by a moment [N m] on the chord and a pull [N] along it; opposite at its first."""
+    """Return the force [N] on a chord's last end by a moment [N m] and a pull [N]; its first end feels the opposite."""
     x, y = chord(cable, markers, q)
     square = x * x + y * y
     along = pull / math.sqrt(square)
@@ -133,7 +133,7 @@ def chord_force(cable, markers, q, moment, pull):
 
 @kernel
 def move_to_chord(cable, joints, markers, q, torque, pull, force):
-    """Turn the torques on the slopes of a carrier's ends, as of the joints, into forces at the chord's ends.
+    """Replace a loop's torques on the slopes of its carrier's ends by forces at the chord's ends.
 
     The loop has a chord, a torque [N m] on its outer joint, and a pull [N] on the wheels' centres.
     """

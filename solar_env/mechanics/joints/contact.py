@@ -7,7 +7,7 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import cube_roots, square_roots, where_less
 
 _HERTZ = 1.5  # the exponent of a contact of spheres, whose powers are roots
-_LEAST_BRACKET = 0.05  # of a contact that parts: below it the depth under a load says nothing
+_LEAST_BRACKET = 0.05  # of 1 + d rate / v: below it a contact parts, and its depth under a load says nothing
 _power_energy = kernel(PowerLaw.energy, inlined=False)
 _power_scales = kernel(PowerLaw.impact_scales, inlined=False)
 
@@ -22,9 +22,9 @@ class ContactMotion(NamedTuple):
         lever: distance of the place of contact from the bearing's centre [m].
         rate: of the depth [m/s].
         centre_speed: of the journal's centre across the line of centres, relative to the bearing's [m/s].
-        slip: of the journal's material point over the bearing's [m/s].
-        sliding_speed: the one that the joint's friction and wear go by [m/s]: the slip, the centres' speed, or that of
-            the places of contact.
+        slip: speed of the journal's material point relative to the bearing's [m/s].
+        sliding_speed: speed that the joint's friction and wear take [m/s]: the slip, the centres' speed, or the speed
+            of the places of contact.
     """
 
     depth: float
@@ -40,7 +40,7 @@ class ContactMotion(NamedTuple):
 
 @kernel
 def sliding_share(joint, depth):
-    """Sliding speed over the slip or, where the bodies' rotation is left out, over the centres' speed."""
+    """Return the sliding speed divided by the slip or, without the bodies' rotation, by the centres' speed."""
     if joint.sliding == PLACES:
         return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
     return 1.0 + 0.0 * depth
@@ -48,7 +48,7 @@ def sliding_share(joint, depth):
 
 @kernel
 def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
-    """Motion of a journal whose centre lies (ex, ey) [m] off its bearing's and moves at (ux, uy) [m/s].
+    """Return the motion of a journal whose centre lies (ex, ey) [m] off its bearing's and moves at (ux, uy) [m/s].
 
     It takes numbers, or vectors of several configurations.
     """
@@ -74,7 +74,7 @@ def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
 
 @kernel
 def normal_force(joint, depth, rate, impact_speed):
-    """Normal force [N], compressive positive, its elastic part, and its slopes by depth [N/m] and rate [N s/m].
+    """Return the compressive normal force [N], its elastic part, and its slopes by depth [N/m] and rate [N s/m].
 
     Nothing acts where the depth is not positive; the contact began at the `impact_speed` [m/s]. It takes numbers, or
     vectors of several configurations. The law is `PowerLaw`.
@@ -89,10 +89,10 @@ def normal_force(joint, depth, rate, impact_speed):
 
 @kernel
 def depth_under(joint, load, rate, impact_speed, give):
-    """Depth [m] at which a contact carries a `load` [N], and the force's slopes there by depth and rate.
+    """Return the depth [m] at which a contact carries a `load` [N], and the force's slopes there by depth and rate.
 
-    All are zero where the contact is no stiffer than what gives way by `give` [m/N], parts, or carries nothing. It
-    takes vectors.
+    All are zero where the contact is no stiffer than bodies that give way by `give` [m/N], parts, or carries nothing.
+    It takes vectors.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     bracket = 1.0 + damping * rate
@@ -106,19 +106,19 @@ def depth_under(joint, load, rate, impact_speed, give):
 
 @kernel(inlined=False)
 def contact_energy(joint, depth):
-    """Energy [J] that a contact stores at a depth [m]."""
+    """Return the energy [J] that a contact stores at a depth [m]."""
     return _power_energy(joint.contact, depth) if depth > 0.0 else 0.0
 
 
 @kernel(inlined=False)
 def impact_scales(joint, inverse_mass, impact_speed):
-    """Greatest depth [m] and duration [s] of an impact without damping, at an inverse effective mass [1/kg]."""
+    """Return the greatest depth [m] and duration [s] of an undamped impact, by the inverse effective mass [1/kg]."""
     return _power_scales(joint.contact, inverse_mass, impact_speed)
 
 
 @kernel
 def friction_share(joint, sliding_speed):
-    """Share of the Coulomb force at a sliding speed [m/s], with its sign, and its slope by the speed [s/m].
+    """Return the share of the Coulomb force at a sliding speed [m/s], with its sign, and its slope by the speed [s/m].
 
     Friction is ramped in between two speeds (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188,
     Eqs 41-42). It takes numbers, or vectors of several configurations.

@@ -36,7 +36,7 @@ from solar_env.mechanics.numerics.jit import kernel
 
 @kernel
 def relative(joint, markers, q):
-    """Journal centre minus bearing centre [m] from coordinates, or its rate [m/s] from velocities."""
+    """Return journal centre minus bearing centre [m] from coordinates, or its rate [m/s] from velocities."""
     ox, oy = place(markers[joint.outboard], q)
     ix, iy = place(markers[joint.inboard], q)
     return ox - ix, oy - iy
@@ -44,7 +44,7 @@ def relative(joint, markers, q):
 
 @kernel
 def penetration(joint, markers, q, v):
-    """Penetration depth [m], negative for a gap, and its rate [m/s]."""
+    """Return the penetration depth [m], negative for a gap, and its rate [m/s]."""
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
     radius = math.sqrt(ex * ex + ey * ey)
@@ -55,7 +55,7 @@ def penetration(joint, markers, q, v):
 
 @kernel
 def joint_motion(joint, markers, q, v):
-    """Joint angle [rad], its rate, and the spins of the outboard and the inboard body [rad/s]."""
+    """Return the joint angle [rad], its rate, and the spins of the outboard and the inboard body [rad/s]."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ox, oy = direction(outboard, q)
     ix, iy = direction(inboard, q)
@@ -71,9 +71,9 @@ def joint_motion(joint, markers, q, v):
 
 @kernel
 def joint_torques(model, joint_states, q, v, loads, force, power):
-    """Fill angles, rates, spins and the torques of every joint; their powers too.
+    """Fill angles, rates, spins, torques and their powers of every joint.
 
-    To `force` it adds what a cable loop does besides these torques.
+    Add to `force` the effect of cable loops beyond these torques.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):

@@ -11,21 +11,21 @@ from dataclasses import dataclass, fields
 
 from solar_env.mechanics.numerics.checks import require, require_finite, require_signs
 
-# Readings of the sliding speed: that of the material points in contact, that of the centres across their line, or that
-# of the places of contact, which travel round with this line: depth / (clearance + depth) of the centres' (Eq 35).
+# Readings of the sliding speed: speed of the material points in contact, of the centres across their line, or of the
+# places of contact, which travel round with this line: depth / (clearance + depth) times the centres' speed (Eq 35).
 SLIDING_READINGS = ("material", "centres", "places")
 MATERIAL, CENTRES, PLACES = range(3)
-LEAST_CLEARANCE, LARGEST_CLEARANCE = 5e-6, 1e-2  # m, of Pereira's fit
+LEAST_CLEARANCE, LARGEST_CLEARANCE = 5e-6, 1e-2  # m, range of Pereira's fit
 
 
 def impact_defect(d: float, e: float) -> float:
-    """Defect ln[(1 + d) / (1 - d e)] - d (1 + e) of the equation between damping factor and exit over entry speed."""
+    """Return ln[(1 + d) / (1 - d e)] - d (1 + e): zero for damping factor d and ratio e of exit to entry speed."""
     room = 1.0 - d * e
     return math.log1p(d) - math.log(room) - d * (1.0 + e) if room > 0.0 else math.inf
 
 
 def bisect(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root of a function that is negative at `low` and positive at `high`."""
+    """Return the root of a function that is negative at `low` and positive at `high`."""
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if function(middle) > 0.0 else (middle, high)
@@ -55,7 +55,7 @@ class PowerLaw:
         require(1.0 <= self.exponent <= 2.0, self, "exponent", self.exponent, "must lie between 1 and 2")
 
     def parameters(self) -> tuple[float, ...]:
-        """The attributes, and the duration of an undamped impact in units of greatest depth over impact speed.
+        """Return the attributes, and an undamped impact's duration in units of greatest depth divided by impact speed.
 
         That is twice the integral of dx / sqrt(1 - x^(n+1)) from 0 to 1: 2 sqrt(pi) Gamma(1 + p) / Gamma(1/2 + p) with
         p = 1 / (n + 1); 2.94328 for n = 1.5 (K. L. Johnson, Contact Mechanics, 1985, section 11.4).
@@ -65,11 +65,11 @@ class PowerLaw:
         return (*(getattr(self, item.name) for item in fields(self)), duration)
 
     def depth_under(self, load: float) -> float:
-        """Depth [m] at which the contact at rest carries a load [N]."""
+        """Return the depth [m] at which the contact at rest carries a load [N]."""
         return float((load / self.stiffness) ** (1.0 / self.exponent))
 
     def exit_speed_ratio(self) -> float:
-        """Exit over entry speed of an impact, whatever mass, speed, stiffness and exponent.
+        """Return the ratio of exit to entry speed of an impact, whatever mass, speed, stiffness and exponent.
 
         The equation of motion m depth'' = -F separates: d (1 + e) = ln[(1 + d) / (1 - d e)].
         """
@@ -80,14 +80,14 @@ class PowerLaw:
 
     @staticmethod
     def energy(parameters: Sequence[float], depth: float) -> float:
-        """Stored energy [J]."""
+        """Return the stored energy [J]."""
         stiffness, exponent = parameters[0], parameters[1]
         growth = math.sqrt(depth) if exponent == 1.5 else depth ** (exponent - 1.0)
         return 1.0 / (exponent + 1.0) * stiffness * depth * depth * growth
 
     @staticmethod
     def impact_scales(parameters: Sequence[float], inverse_mass: float, impact_speed: float) -> tuple[float, float]:
-        """Greatest depth [m] and duration [s] of an impact without damping, at an inverse effective mass [1/kg]."""
+        """Return the greatest depth [m] and duration [s] of an undamped impact, by inverse effective mass [1/kg]."""
         stiffness, power = parameters[0], parameters[1] + 1.0
         depth = (0.5 * power * impact_speed * impact_speed / (inverse_mass * stiffness)) ** (1.0 / power)
         return depth, parameters[3] * depth / impact_speed
@@ -102,9 +102,8 @@ class Surfaces:
         length: of the bearing along its axis [m].
         bearing_young, journal_young: moduli of elasticity [Pa].
         bearing_poisson, journal_poisson: Poisson's ratios.
-        stiffness: that of the contact of spheres [N/m^1.5], as measured; None for the one that radii and materials
-            give.
-        bracket_stiffness: radial stiffness of what holds journal and bearing, in series [N/m]; None where unknown.
+        stiffness: measured stiffness of the contact of spheres [N/m^1.5]; None computes it from radii and materials.
+        bracket_stiffness: radial stiffness of the brackets of journal and bearing, in series [N/m]; None if unknown.
     """
 
     bearing_radius: float
@@ -134,17 +133,17 @@ class Surfaces:
 
 
 def lankarani_damping(restitution: float) -> float:
-    """Damping factor d = 3 (1 - e^2) / 4: right for a restitution e near 1, and never below an exit speed of 0.66."""
+    """Return the damping factor d = 3 (1 - e^2) / 4: right for e near 1; its exit speed ratio is never below 0.66."""
     return 0.75 * (1.0 - restitution**2)
 
 
 def flores_damping(restitution: float) -> float:
-    """Damping factor d = 8 (1 - e) / (5 e): the exit speed is within 0.04 of the restitution e."""
+    """Return the damping factor d = 8 (1 - e) / (5 e): the exit speed is within 0.04 of the restitution e."""
     return 1.6 * (1.0 - restitution) / restitution
 
 
 def exact_damping(restitution: float) -> float:
-    """Damping factor d with d (1 + e) = ln[(1 + d) / (1 - d e)]: `PowerLaw.exit_speed_ratio` solved for d.
+    """Return the damping factor d with d (1 + e) = ln[(1 + d) / (1 - d e)]: `PowerLaw.exit_speed_ratio` solved for d.
 
     The exit speed is off by less than 2e-11 of the entry speed.
     """
@@ -156,7 +155,7 @@ def exact_damping(restitution: float) -> float:
 
 
 def sphere(surfaces: Surfaces, damping: float) -> PowerLaw:
-    """Contact of a sphere in a spherical seat, F = K depth^1.5 (1 + d rate / v), K given or from the materials.
+    """Return the law of a sphere in a spherical seat, F = K depth^1.5 (1 + d rate / v), K given or from the materials.
 
     K = 4 / (3 (h_b + h_j)) sqrt(R_b R_j / (R_b - R_j)) [N/m^1.5] with h = (1 - nu^2) / E: W. Goldsmith, Impact (1960);
     Eq 40 of Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188.
@@ -169,7 +168,7 @@ def sphere(surfaces: Surfaces, damping: float) -> PowerLaw:
 
 
 def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
-    """Contact of a cylinder in a cylindrical seat with parallel axes: a journal in a long bearing.
+    """Return the law of a cylinder in a cylindrical seat with parallel axes: a journal in a long bearing.
 
     F = (0.965 c + 0.0965) L E* / c depth^n (1 + 3 (1 - e^2) / 4 rate / v) with n = Y c^-0.005, in N, mm and MPa, where
     c is the difference of the radii; Y = 1.51 ln(1000 c)^-0.151 for c below 0.34954, else 0.0151 c + 1.151. C. Pereira,
@@ -190,19 +189,19 @@ def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
     c = 1e3 * clearance
     y = 1.51 * math.log(1000.0 * c) ** -0.151 if c < 0.34954 else 0.0151 * c + 1.151
     exponent = y * c**-0.005
-    # MPa times mm is a thousand times Pa times m over m, mm^n a thousandth of m to the n.
+    # In N, mm and MPa as in the fit; the last factor turns N/mm^n into N/m^n.
     stiffness = (0.965 * c + 0.0965) * (1e3 * surfaces.length) * (1e-6 / surfaces.compliance) / c * 1e3**exponent
     return PowerLaw(stiffness, exponent, lankarani_damping(restitution))
 
 
 def bracket(surfaces: Surfaces, restitution: float) -> PowerLaw:
-    """Contact of surfaces far stiffer than what holds them, F = K depth (1 + d rate / v) with the bracket's stiffness.
+    """Return the law of surfaces far stiffer than their bracket: F = K depth (1 + d rate / v), K of the bracket.
 
     In series with a bracket the surfaces' own depth counts little: 337 N press spheres of 4 mm with a clearance of
     25 um in by 2.5 um, and a bracket of 1e7 N/m by 34 um. The exit speed is exactly the restitution.
 
     Raises:
-        ValueError: The bracket's stiffness is unknown, or one of spheres is given.
+        ValueError: if the bracket's stiffness is unknown, or a stiffness of spheres is given.
     """
     if surfaces.bracket_stiffness is None:
         raise ValueError("bracket_stiffness = None must be a stiffness [N/m] for the law of brackets")
@@ -229,7 +228,7 @@ CONTACT_LAWS: dict[str, Callable[[Surfaces, float], PowerLaw]] = {
 
 
 def contact_law(name: str, surfaces: Surfaces, coefficient: float) -> PowerLaw:
-    """The contact law of a name between two surfaces, at a coefficient of restitution in (0, 1].
+    """Return the contact law of a name between two surfaces, at a coefficient of restitution in (0, 1].
 
     Raises:
         ValueError: if the law is unknown, or the restitution or the surfaces lie outside the law's range.

@@ -9,18 +9,18 @@ import math
 
 from solar_env.mechanics.numerics.jit import kernel
 
-_NARROWEST = 1e-9  # rad
+_NARROWEST = 1e-9  # rad, least half angle
 
 
 @kernel
 def pressed_half_angle(depth, clearance):
-    """Half angle [rad] of the arc along which a journal circle overlaps its bearing's: arccos(c / (c + depth))."""
+    """Return the half angle [rad] of the arc where a journal overlaps its bearing: arccos(c / (c + depth))."""
     return math.acos(clearance / (clearance + depth))
 
 
 @kernel
 def share_below(angle, wide, narrow):
-    """Share of the wear below an `angle` [rad] from the middle, where of two arcs one moves along the other.
+    """Return the share of the wear below an `angle` [rad] from the middle, by an arc that moves along another one.
 
     Half angles are `wide` and `narrow`: the depth is even in the middle, and falls off linearly to both sides.
     """
@@ -37,14 +37,14 @@ def share_below(angle, wide, narrow):
 
 @kernel
 def add_wear(depths, angle, pressed, moved, section, radius):
-    """Spread worn material over the bins of a surface where an arc presses on it that moves along another one.
+    """Spread worn material over the bins of a surface on which an arc presses that moves along another one.
 
     Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's frame.
 
     Args:
         depths: written.
         angle: of the middle of both arcs [rad].
-        pressed, moved: half angles of the arc that is pressed and of that which its middle moves along [rad].
+        pressed, moved: half angles of the pressed arc and of the arc that its middle moves along [rad].
         section: worn cross-section area [m2].
         radius: of the surface [m].
     """

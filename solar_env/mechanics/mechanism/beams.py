@@ -34,7 +34,7 @@ class Beam:
 
     @classmethod
     def solid(cls, length: float, area: float, second_moment: float, density: float, young: float) -> Beam:
-        """A beam by its cross-section [m2, m4], density [kg/m3] and Young's modulus [Pa]."""
+        """Return a beam from its cross-section [m2, m4], density [kg/m3] and Young's modulus [Pa]."""
         return cls(length, density * area, young * area, young * second_moment)
 
     @property
@@ -43,7 +43,7 @@ class Beam:
         return self.linear_density * self.length
 
     def body(self, elements: int, angle: float = 0.0, velocity: Point = (0.0, 0.0), spin: float = 0.0) -> FlexibleBody:
-        """The beam as a flexible body, with its first end at the origin."""
+        """Return the beam as a flexible body, with its first end at the origin."""
         return FlexibleBody(
             name=BEAM,
             length=self.length,
@@ -78,7 +78,7 @@ def cantilever(
     angle: float = 0.0,
     gravity: Point = (0.0, 0.0),
 ) -> Mechanism:
-    """A beam clamped at the origin, at an angle from the x axis, under dead loads at its tip."""
+    """Return a beam clamped at the origin, at an angle from the x axis, under dead loads at its tip."""
     load = Load(BEAM, (beam.length, 0.0), tip_force, tip_torque)
     return Mechanism(
         (beam.body(elements, angle),), _pivot(), drives=(Drive(BEAM, angle, 0.0),), loads=(load,), gravity=gravity
@@ -88,7 +88,7 @@ def cantilever(
 def spin_up_beam(
     beam: Beam = SPIN_UP_BEAM, elements: int = 16, rate: float = 6.0, ramp_time: float = 15.0
 ) -> Mechanism:
-    """A beam whose root is turned from rest up to a constant rate (Simo and Vu-Quoc 1986)."""
+    """Return a beam whose root is turned from rest up to a constant rate (Simo and Vu-Quoc 1986)."""
     drive = Drive(BEAM, 0.0, rate, ramp_time=ramp_time)
     return Mechanism((beam.body(elements),), _pivot(), drives=(drive,))
 
@@ -96,7 +96,7 @@ def spin_up_beam(
 def flexible_pendulum(
     beam: Beam = PENDULUM_BEAM, elements: int = 12, angle: float = 0.0, gravity: float = STANDARD_GRAVITY
 ) -> Mechanism:
-    """A beam pinned at the origin and released at rest (Berzeri and Shabana 2000); gravity towards -y."""
+    """Return a beam pinned at the origin and released at rest (Berzeri and Shabana 2000); gravity towards -y."""
     return Mechanism((beam.body(elements, angle),), _pivot(), gravity=(0.0, -gravity))
 
 
@@ -108,5 +108,5 @@ def free_beam(
     angle: float = 0.0,
     loads: tuple[Load, ...] = (),
 ) -> Mechanism:
-    """A beam without supports; the velocity is that of its first end, the loads act on the body `BEAM`."""
+    """Return a beam without supports; `velocity` belongs to its first end, `loads` act on the body `BEAM`."""
     return Mechanism((beam.body(elements, angle, velocity, spin),), loads=loads)

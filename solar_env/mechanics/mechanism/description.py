@@ -58,9 +58,9 @@ class Bearing:
         minimum_impact_speed: lower bound of the impact speed in the contact law [m/s].
         friction_coefficient: Coulomb's.
         friction_speeds: sliding speeds at which friction sets in, and from which on it is Coulomb's [m/s].
-        sliding: speed that friction and wear go by: "material" for that of the material points in contact, "centres"
-            for that of the joint's centres, "places" for that of the places of contact, which travel round with the
-            line of centres: some percent of it (paper, Eq 35 as printed; both leave the bodies' rotation out).
+        sliding: speed that friction and wear take: "material", of the material points in contact; "centres", of the
+            joint's centres; "places", of the places of contact, which travel round with the line of centres: some
+            percent of the centres' speed (paper, Eq 35 as printed). The last two leave the bodies' rotation out.
         wear_coefficient: Archard's k [m2/N].
         width: axial length of the bearing [m].
     """
@@ -103,16 +103,16 @@ class Joint:
         stop: shared by latch and stow stop.
         lock_angle: joint angle at which the joint latches; None for no latch.
         stow_angle: joint angle below which the stop pushes back; None for no stow stop.
-        latches: whether the joint latches at the lock angle; else a stop is there alone, whose joint counts as latched
+        latches: whether the joint latches at the lock angle; else only a stop is there, and the joint counts as latched
             from its first arrival on.
-        release_time: at which a hold-down lets go of the joint, which it holds folded until then [s]; None for
+        release_time: time [s] at which a hold-down lets go of the joint, which it holds folded until then; None for
             no hold-down.
         release_after: joint whose latching the release time is counted from, not t = 0.
-        spring_table: angles [rad] and torques [N m] of a spring of any characteristic, beside the other one.
-        harness: angles [rad] and torques [N m] of what else works on the hinge by its angle.
+        spring_table: angles [rad] and torques [N m] of a spring of any characteristic, beside `spring`.
+        harness: angles [rad] and torques [N m] of anything else that works on the hinge by its angle.
         damping: of a viscous damper [N m s/rad].
         friction_torque: of dry friction [N m].
-        friction_ramp_rate: rate about which that turns round [rad/s].
+        friction_ramp_rate: rate about which the dry friction turns round [rad/s].
     """
 
     name: str
@@ -160,10 +160,10 @@ class CableLoop:
     """Closed cable loop over the wheels of two joints: a belt along the body between them (paper, Eqs 2-4).
 
     The wheel at joint a is fixed to that joint's inboard body, the one at joint b to its outboard body; the strands run
-    from hinge to hinge, along the chord of the body between. The wheels' angles are those of the joints, but counted
+    from hinge to hinge, along the chord of the body between. The wheels' angles are the joints' angles, but counted
     from the chord where that body bends. With the mismatch s = wheel_ratio * angle_a - angle_b, the torque on the wheel
-    at joint b is K s and on that at joint a -torque_ratio * K s while both strands are taut; what these two leave acts
-    on the body between, as a pair of forces at its hinges. The loop conserves energy if the two ratios are equal.
+    at joint b is K s, and at joint a -torque_ratio * K s, while both strands are taut; their reaction acts on the body
+    between, as a pair of forces at its hinges. The loop conserves energy if the two ratios are equal.
 
     Attributes:
         joint_a, joint_b: joint names; the outboard body of joint a is the inboard body of joint b.
@@ -193,7 +193,7 @@ class CableLoop:
 
 @dataclass(frozen=True)
 class Drive:
-    """Prescribes a body's direction at a point: angle + rate * t, or a smooth run-up to that rate.
+    """Prescribed direction of a body at a point: angle + rate * t, or a smooth run-up to that rate.
 
     With a ramp time T the angle is angle + (rate / T) (t^2 / 2 + (T / 2 pi)^2 (cos(2 pi t / T) - 1)) up to T and
     angle + rate (t - T / 2) from then on: J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855,
@@ -279,7 +279,9 @@ class Mechanism:
                     after,
                     f"is not a joint of the mechanism {sorted(by_name)}",
                 )
-                require(after not in seen, joint, "release_after", after, "waits for itself in the end")
+                require(
+                    after not in seen, joint, "release_after", after, "is a joint that waits for this one; name another"
+                )
                 seen.add(after)
                 after = by_name[after].release_after
         for cable in self.cables:

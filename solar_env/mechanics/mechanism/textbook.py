@@ -34,11 +34,11 @@ class Link:
 
     @classmethod
     def slender(cls, length: float, mass: float) -> Link:
-        """A uniform slender rod: inertia = mass * length^2 / 12."""
+        """Return a uniform slender rod: inertia = mass * length^2 / 12."""
         return cls(length, mass, mass * length**2 / 12.0)
 
     def body(self, name: str, position: complex, angle: float, velocity: complex, spin: float) -> Body:
-        """The link as a body whose first pin moves as given; complex numbers stand for points, x + i y."""
+        """Return the link as a body whose first pin moves as given; complex numbers stand for points, x + i y."""
         body = Body(name, self.mass, self.inertia, self.length, (self.length / 2.0, 0.0), angle=angle, spin=spin)
         return replace(body, position=(position.real, position.imag), velocity=(velocity.real, velocity.imag))
 
@@ -46,7 +46,7 @@ class Link:
 def pendulum(
     length: float = 1.0, mass: float = 1.0, angle: float = 0.0, gravity: float = STANDARD_GRAVITY
 ) -> Mechanism:
-    """A simple pendulum: a point mass on a massless link, pinned at the origin.
+    """Return a simple pendulum: a point mass on a massless link, pinned at the origin.
 
     The body has equal point masses at both ends, of which the one in the pin does not move; so its inertia is
     regular and the multiplier of its length is exactly the link's tension divided by the length [N/m].
@@ -57,7 +57,7 @@ def pendulum(
 
 
 def flores_bearing(clearance: float = 5e-4) -> Bearing:
-    """Bearing of a radial clearance [m], of P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8.
+    """Return P. Flores' bearing of a radial clearance [m], Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8.
 
     Radius 10 mm, friction 0.03, Lankarani-Nikravesh with restitution 0.9.
     """
@@ -79,7 +79,7 @@ def four_bar(
     gravity: float = STANDARD_GRAVITY,
     clearances: Mapping[str, Bearing] | None = None,
 ) -> Mechanism:
-    """Four-bar linkage with a crank that turns at a constant rate, in its open configuration.
+    """Return the four-bar linkage with a crank that turns at a constant rate, in its open configuration.
 
     Crank and rocker are pinned at (0, 0) and (ground_length, 0). The default slender links make a
     crank-rocker: 0.10 m, 0.35 m and 0.25 m with 1 kg a metre, one turn a second (chosen).
@@ -134,7 +134,7 @@ def four_bar(
 def bouncing_block(
     bearing: Bearing, mass: float = 1.0, speed: float = 0.1, housing_mass: float | None = None
 ) -> Mechanism:
-    """A block bouncing to and fro in a gap: a journal on a diameter of its bearing, centred at t = 0.
+    """Return a block bouncing to and fro in a gap: a journal on a diameter of its bearing, centred at t = 0.
 
     Args:
         bearing: the gap is twice its clearance; without friction the block stays on the x axis.
@@ -152,7 +152,7 @@ def bouncing_block(
 def loaded_journal(
     bearing: Bearing, load: float = 10.0, lean: float = 0.0, rate: float | None = None, wear_bins: int = 1
 ) -> Mechanism:
-    """A journal of 1 kg, loaded by a force, in a bearing that is fixed to the ground.
+    """Return a journal of 1 kg, loaded by a force, in a bearing that is fixed to the ground.
 
     It starts at rest, or turning, at the depth that carries the load. Driven at a constant rate it slides and
     wears. Left free and turned by a motor torque on its joint, it creeps with the friction that balances the

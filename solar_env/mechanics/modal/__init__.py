@@ -19,7 +19,7 @@ second order: a static tip deflection is too small by 0.05 of the squared slope 
 
 Besides, foreshortening has the shapes of the four lowest bending modes alone, while all others enter together, with the
 shapes in which loads at the ends bend a panel; of the axial modes it excites three, and moves the ends at once with the
-rest: the array's peak reactions with ideal joints come within 0.1 % of those of beams with 48 elements.
+rest: the array's peak reactions with ideal joints agree with beams of 48 elements within 0.1 %.
 
 The method is of order five in motion and three in the loads at the ends of its steps. Where joints are ideal,
 foreshortening, which reactions follow, lowers the order of motion to 3.4.

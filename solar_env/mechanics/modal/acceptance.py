@@ -1,4 +1,4 @@
-"""End of a step: its error over the tolerances, and the state moved to where it leads."""
+"""End of a step: its error in units of the tolerances, and the state moved to its end."""
 
 import math
 
@@ -24,14 +24,14 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.vectors import load4, splat4, store4, sum_lanes
 
-# A reaction at the end of one step tells little of the error of another that is shorter than this share of it. It tells
-# of the fast vibrations that the longer step does not resolve.
+# Least ratio of a step to the last one with which the last one's reactions tell its error. After a longer step they
+# tell of the fast vibrations that the longer step does not resolve.
 _COMPARABLE = 0.01
 
 
 @kernel
 def at_start(course):
-    """Value at the start of a step of a course given at its stages."""
+    """Return the value at the start of a step of a course given by its values at the stages."""
     total = 0.0
     for k in range(STAGES):
         total += AT_START[k] * course[k]
@@ -40,7 +40,7 @@ def at_start(course):
 
 @kernel
 def vibration_defect(panels, panel, free, held, d, h, kind, group):
-    """Defect of the motion of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
+    """Return the defect [m/s] of a group's vibration at the ends, without the part held by loads and foreshortening."""
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
         defect += held[kind, group, j] * at_start(panel.load[group, j])
@@ -57,17 +57,17 @@ def vibration_defect(panels, panel, free, held, d, h, kind, group):
 
 @kernel
 def deviation(state, work, k):
-    """Load at the start of the step less that of the polynomial through its stages there, without sign."""
+    """Return the magnitude of a load at the start of the step minus the polynomial through its stages there."""
     return abs(state.course[k, LAST] - at_start(work.loads[k].stage))
 
 
 @kernel
 def step_error(model, state, work, settings, tables, level, h):
-    """Error of a step over the tolerances.
+    """Return the error of a step in units of the tolerances.
 
-    Of loads: their value at the start against that of the polynomial through the stages, and of reactions whose value
-    there is that of a far longer step, how they change between the stages if that is less. Of vibrations that the step
-    does not resolve: the motion of the ends against the exact one.
+    A load's error is its value at the start minus the polynomial through its stages there. After a far longer step, a
+    reaction's error is its change between the stages if that is less. The error of vibrations that the step does not
+    resolve is the motion of the ends minus the exact motion.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -103,7 +103,7 @@ def step_error(model, state, work, settings, tables, level, h):
 
 @kernel
 def number_at(array, k):
-    """Number `k` of an array."""
+    """Return the number `k` of an array."""
     return array[k]
 
 
@@ -115,9 +115,9 @@ def put_number(array, k, number):
 
 @kernel
 def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
-    """Move the amplitude of mode `k` over the step, or four at once where vectors are what `take` and `put` move.
+    """Move the amplitude of mode `k` over the step, or four at once where `take` and `put` move vectors.
 
-    Returns the square of its rate times `frequency` [1/s]. The loads of the ends are those at the stages.
+    Return the square of its rate times `frequency` [1/s]. `load` holds the loads of the ends at the stages.
     """
     value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
     moved = take(ends[0], k) * value + take(ends[1], k) * rate
@@ -134,7 +134,7 @@ def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
 
 @kernel
 def move_panel(panels, panel, ends, d, q, v):
-    """Move the amplitudes of a panel over the step; returns the power of its damping at the end [W]."""
+    """Move the amplitudes of a panel over the step; return the power of its damping at the end [W]."""
     total = 0.0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
@@ -152,7 +152,7 @@ def move_panel(panels, panel, ends, d, q, v):
                 force = panel.coupling[group, r, s]
                 values[r] += ends[2 + s, begin + r] * force
                 rates[r] += ends[4 + STAGES + s, begin + r] * force
-            # What strains an axial mode is not the rate of the amplitude but that less foreshortening's.
+            # An axial mode is strained at the rate of the amplitude minus foreshortening's.
             strain_rate = panel.strain_rate[group, r] if group >= AXIAL_EVEN else rates[r]
             total += frequency[r] ** 2 * (strain_rate * strain_rate - before * before)
     return panels.damping[d] * total
@@ -160,7 +160,7 @@ def move_panel(panels, panel, ends, d, q, v):
 
 @kernel
 def note_extremes(model, state, work, v):
-    """Keep what panels come to that is more than before: slope of an end, spin over the lowest frequency."""
+    """Keep the panels' maxima so far: slope of an end, spin divided by the lowest frequency."""
     panels, extremes = model.panels, state.extremes
     even, odd = panels.first[BENDING_EVEN], panels.first[BENDING_ODD]
     for b in range(model.bodies.size):
@@ -186,8 +186,8 @@ def commit_step(model, state, work, tables, level, h):
             end = begin + model.panels.frequency.shape[1]
             q, v = work.q[begin:end], work.v[begin:end]
             power = move_panel(model.panels, panel, tables.ends[body.design, level], body.design, q, v)
-            # Between the ends of a step its modes may vibrate several times: their damping takes what it does on
-            # average, of which the ends are samples.
+            # Between the ends of a step its modes may vibrate several times: their damping takes its mean power, of
+            # which the ends are samples.
             mean = 0.5 * (state.damping_power[body.panel] + power)
             work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * mean
             work.damping_power[body.panel] = power
@@ -196,7 +196,7 @@ def commit_step(model, state, work, tables, level, h):
 
 @kernel
 def keep_loads(state, work):
-    """Keep the course of the loads over the step, and what damping takes at its end."""
+    """Keep the course of the loads over the step, and the power of damping at its end."""
     for k in range(work.loads.size):
         store4(state.course[k], 0, load4(work.loads[k].stage, 0))
     for p in range(work.panels.size):

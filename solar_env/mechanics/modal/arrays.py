@@ -1,8 +1,8 @@
 """Arrays of a mechanism of rigid bodies and modal panels: constants, state, scratch. All quantities in SI units.
 
 Coordinates of a body are centre of mass, angle, then for a panel its amplitudes by group of modes. Motion at the stages
-of a step is scratch, whose last axes of LANES are the stages; that at its start belongs to the state, which a step
-leaves with what it has found for its end.
+of a step is scratch, whose last axes of LANES are the stages; motion at its start belongs to the state, where every
+step leaves the motion at its end.
 """
 
 from typing import NamedTuple
@@ -45,25 +45,25 @@ body_type = record(
 # Where a joint attaches: a point of a body's frame, from the centre of mass and undeformed.
 attachment_type = record([("body", np.int64), ("end", np.int64), ("x", np.float64), ("y", np.float64)])
 
-# Further columns of a joint's motion, behind those of `arrays.columns`.
+# Further columns of a joint's motion, behind the columns of `arrays.columns`.
 VELOCITY_X, VELOCITY_Y, LEVER, NORMAL_X, NORMAL_Y, DEPTH, DEPTH_RATE, SLIP, SLIDING_SPEED = range(
     SHARED_COLUMNS, SHARED_COLUMNS + 9
 )
 MOTION_COLUMNS = SHARED_COLUMNS + 9
 
-# Loads: the torque on each joint's angle, without the motor's and the loops'; of each cable loop that on its outer
-# joint; then its pull on its wheels' centres; then of each joint normal and tangential force of a contact, or the two
+# Loads in order: each joint's torque on its angle, without the motor's and the loops'; each cable loop's torque on its
+# outer joint; each loop's pull on its wheels' centres; each joint's normal and tangential contact force, or the two
 # components of an ideal joint's reaction on its outboard body.
 JOINT_LOADS, CABLE_LOADS = 3, 2
-# Kinds of unknown; the forces last, of which the reactions.
+# Kinds of unknown; the forces are last, and of them the reactions.
 TORQUE_ROW, CABLE_ROW, PULL_ROW, NORMAL_ROW, TANGENTIAL_ROW, REACTION_X_ROW, REACTION_Y_ROW = range(7)
 
-# Columns of a cable loop's motion: mismatch of the wheels' angles, rate of the inner one's, and of a chord, which is
-# none where the body between the joints is rigid and the loop does not pull, the force at its outer end by a unit of
-# moment on it, and the length.
+# Columns of a cable loop's motion: mismatch of the wheels' angles, rate of the inner wheel's, force at the chord's
+# outer end per unit moment on the chord, and the chord's length. The latter are zero without a chord: where the body
+# between the joints is rigid and the loop does not pull.
 STRETCH, WHEEL_RATE, ACROSS_X, ACROSS_Y, LENGTH = range(5)
 CABLE_COLUMNS = 5
-# Attachments that a load works on: of a joint two, of a cable loop four.
+# Most attachments that a load works on: a joint's on two, a cable loop's on four.
 FACES = 4
 
 
@@ -105,7 +105,7 @@ class ModalState(NamedTuple):
     motion: Array  # (joints, MOTION_COLUMNS)
     cable_motion: Array  # (cables, CABLE_COLUMNS)
     views: Array  # (joints, 6) rows of `JointView`
-    extremes: Array  # (2,) greatest slope of a panel's end [rad] and spin over its lowest frequency, of all steps
+    extremes: Array  # (2,) greatest slope of a panel's end [rad] and spin per lowest frequency, of all steps
     integrals: Array
     joints: NDArray[np.void]
     wear_journal: Array  # (joints, bins)
@@ -144,15 +144,15 @@ load_scratch = record(
     [
         ("stage", np.float64, LANES),
         ("tolerance", np.float64),
-        # By its law, the slopes of this by the motion that a load works on; of friction that by the normal force, the
-        # load before.
+        # Value by the load's law, and its slopes by the motion that the load works on; friction's slope by the normal
+        # force, which is the load before.
         ("law", np.float64, LANES),
         ("by_value", np.float64, LANES),
         ("by_rate", np.float64, LANES),
         ("by_normal", np.float64, LANES),
-        ("piece", np.float64, LANES),  # of its law in which it is
-        ("give", np.float64, LANES),  # [m/N] of a contact's bodies to its normal force, at each stage to that there
-        ("unknown", np.int64),  # or it follows from iteration to iteration
+        ("piece", np.float64, LANES),  # piece of its law in which the load is
+        ("give", np.float64, LANES),  # [m/N] of a contact's bodies to its normal force, at a stage by the force there
+        ("unknown", np.int64),  # whether it is an unknown; else it follows the iterations
     ]
 )
 unknown_scratch = record(
@@ -163,11 +163,11 @@ unknown_scratch = record(
         ("first", np.int64),  # unknown of its block in Newton's matrix, and the one behind its last
         ("end", np.int64),
         ("faces", np.int64),  # number of attachments
-        # Outboard and inboard; of a cable loop those with the wheels, then both ends of its chord.
+        # Outboard and inboard; of a cable loop both with the wheels, then both ends of its chord.
         ("attachment", np.int64, FACES),
         # A unit of it on these bodies, in their frames: force, torque, moment about the centre of mass.
         ("load", np.float64, (FACES, 4)),
-        # The loads that read off the motion it works on: the same, but for a loop that does not conserve energy.
+        # The loads that read off the motion it works on: the same, except for a loop that does not conserve energy.
         ("reading", np.float64, (FACES, 4)),
     ]
 )

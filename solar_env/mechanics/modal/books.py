@@ -42,16 +42,16 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, square_roots, sum_lanes, where_less
 from solar_env.mechanics.records.history import note_force
 
-# Step [s] in which velocities hardly change, while rounding shows in quotients of differences.
+# Step [s] up to which velocities hardly change, while rounding shows in quotients of differences.
 _SHORT = 1e-6
-_NO_TORQUE = 1e-12  # N m, of a stop
-# Of the stages in an integral over the step, in lanes.
+_NO_TORQUE = 1e-12  # N m, torque of a stop that has let go of its joint
+# Weights of the stages in an integral over the step, in lanes.
 _WEIGHTS = np.array([*WEIGHTS, 0.0])
 
 
 @kernel
 def note_arcs(work, joint, scratch, slid):
-    """Keep the arcs of both bodies along which a contact slides in a step: those of the work's mean and variance."""
+    """Keep the arcs of both bodies along which a contact slides in a step, by the work's mean and variance."""
     motion, total = scratch.motion, sum_lanes(slid)
     if total > 0.0:
         nx, ny, share = load4(motion[NORMAL_X], 0), load4(motion[NORMAL_Y], 0), slid * (1.0 / total)
@@ -110,7 +110,7 @@ def add_integrals(model, state, work, h):
 
 @kernel
 def note_peaks(model, state, work, h, share):
-    """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
+    """Raise the force maxima to the step's peaks: of its stages, and of the parabola through stages and start."""
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
         joint_state, force = state.joints[j], force_of(model, j)
@@ -132,7 +132,7 @@ def note_peaks(model, state, work, h, share):
 
 @kernel
 def panel_energies(model, body, q, v, work, energies):
-    """Add the energies of a panel's amplitudes, kinetic and of strain, to which its scratch has been filled last."""
+    """Add kinetic and strain energy of a panel's amplitudes, with which its scratch has been filled last."""
     panels, d, first, panel = model.panels, body.design, body.offset + 3, work.panels[body.panel]
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
@@ -169,7 +169,7 @@ def stored_energies(model, state, q, v, work, energies):
 
 @kernel
 def cubic(share, x0, r0, x1, r1):
-    """Value at a share of the step of the cubic through values and rates (times the step) at both ends."""
+    """Return the cubic through values and rates (times the step) at both ends, at a share of the step."""
     rest = 1.0 - share
     return rest * rest * ((1.0 + 2.0 * share) * x0 + share * r0) + share * share * (
         (3.0 - 2.0 * share) * x1 - rest * r1
@@ -178,7 +178,7 @@ def cubic(share, x0, r0, x1, r1):
 
 @kernel(inlined=False)
 def fill_load_table(model, state, work, loads, table):
-    """Fill the (joints, LOAD_COLUMNS) table from the motion looked at last and `loads`, ordered as those of a state."""
+    """Fill the (joints, LOAD_COLUMNS) table from the motion looked at last and `loads`, ordered as a state's."""
     for j in range(model.joints.size):
         joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]
@@ -200,7 +200,7 @@ def fill_load_table(model, state, work, loads, table):
 
 @kernel
 def course_at(stage, share):
-    """Value at a share of the step of the polynomial through values at its stages."""
+    """Return the polynomial through values at the stages of a step, at a share of the step."""
     total = 0.0
     for k in range(STAGES):
         value = 0.0
@@ -214,8 +214,8 @@ def course_at(stage, share):
 def sample_modal(model, state, settings, work, recorder, h, share):
     """Store one row at a share of the step from the present state to `work.q`.
 
-    Velocities of frames are the rates of their cubics. Those of modes, which the step may not resolve, and integrals go
-    along a line.
+    Velocities of frames are the rates of their cubics. Velocities of modes, which the step may not resolve, and
+    integrals go along a line.
     """
     n, rest = state.q.size, 1.0 - share
     row = recorder.samples[recorder.filled[0]]

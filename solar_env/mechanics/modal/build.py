@@ -44,7 +44,7 @@ from solar_env.mechanics.modal.tables import (
     filled_tables,
 )
 
-# Of pseudo-modes that stand for the modes that are left out, see `beam_modes`.
+# Blocks of pseudo-modes that stand for the modes that are left out, see `beam_modes`.
 _BLOCKS = 2
 # Frequency times step up to which damped modes are exact. The reactions of ideal joints follow modes at once, and grow
 # unstable where these pass at arbitrary phases.
@@ -54,13 +54,13 @@ _Design = tuple[float, float, float, float, float, int]
 
 
 def design(panel: ModalPanel) -> _Design:
-    """Parameters that two panels of one design have in common."""
+    """Return the parameters that two panels of one design have in common."""
     stiffness = (panel.axial_stiffness, panel.bending_stiffness)
     return (panel.length, panel.mass, *stiffness, panel.damping, panel.modes)
 
 
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
-    """(2, LOW, LOW, FORMS) quadratic forms by bending groups; products of another parity vanish."""
+    """Return the (2, LOW, LOW, FORMS) quadratic forms by bending groups; products of another parity vanish."""
     forms = np.zeros((2, LOW, LOW, FORMS))
     # The lowest bending modes are even and odd by turns; then comes the rest of the end values.
     rest = range(coupled, coupled + VALUES), range(coupled + VALUES, coupled + 2 * VALUES)
@@ -77,14 +77,14 @@ def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupl
 
 
 def _halves(number: int) -> tuple[int, int]:
-    """Numbers of the first, third, ... and of the second, fourth, ... of so many modes."""
+    """Return how many of `number` modes have odd numbers (first, third, ...), and how many have even numbers."""
     return (number + 1) // 2, number // 2
 
 
 def _panel_constants(chosen: _Design) -> Panels:
-    """Constants of one design."""
+    """Return the constants of one design."""
     length, mass, axial_stiffness, bending_stiffness, damping, modes = chosen
-    axial = (modes + 1) // 2  # axial modes that are kept beside so many bending modes
+    axial = (modes + 1) // 2  # axial modes that are kept beside the bending `modes`
     coupled, coupled_axial = min(BENDING_MODES, modes), min(AXIAL_MODES, axial)
     frequencies, rows = [], []
     for family in (
@@ -111,7 +111,7 @@ def _panel_constants(chosen: _Design) -> Panels:
 
 @lru_cache(maxsize=16)
 def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, Tables]:
-    """Constants and tables of panels of some designs; they are read only and shared by all simulations.
+    """Return the constants and tables of panels of some designs; they are read only and shared by all simulations.
 
     A damped mode is exact up to a frequency times step of `exact`.
     """
@@ -125,7 +125,7 @@ def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, 
 
 
 def rigid_stand_in(body: AnyBody) -> Body:
-    """A rigid body of the same mass, place and motion.
+    """Return a rigid body of the same mass, place and motion.
 
     Raises:
         ValueError: if the body is neither rigid nor a modal panel.
@@ -142,7 +142,7 @@ def rigid_stand_in(body: AnyBody) -> Body:
 
 
 def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
-    """Return the constant model and the initial state of a mechanism of rigid bodies and modal panels.
+    """Compile a mechanism of rigid bodies and modal panels into its constant model and its initial state.
 
     Raises:
         ValueError: if a part is there that the modal method does not take, if a joint attaches to a panel elsewhere
@@ -164,7 +164,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
             "one shape: give every ModalPanel the greatest of these numbers"
         )
     designs = tuple(dict.fromkeys(design(panel) for panel in flexible))
-    # As many as there are panels, alike or not: lanes of one structure may differ in that.
+    # As many designs as panels, alike or not: lanes of one structure may differ in that.
     designs += designs[:1] * (len(flexible) - len(designs))
     # Arrays need a design even where no body has one.
     exact = _EXACT_BESIDE_REACTIONS if (rigid.joints["kind"] == IDEAL).any() else _EXACT
@@ -207,7 +207,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
 def _bodies(
     described: list[AnyBody], designs: tuple[_Design, ...], amplitudes: int
 ) -> tuple[NDArray[np.void], NDArray[np.float64], NDArray[np.float64]]:
-    """Rows of the bodies, coordinates and velocities."""
+    """Return the rows of the bodies, coordinates and velocities."""
     offsets = [0, *itertools.accumulate(3 + amplitudes * isinstance(body, ModalPanel) for body in described)]
     bodies = np.zeros(len(described), dtype=body_type)
     q, v = np.zeros(offsets[-1]), np.zeros(offsets[-1])
@@ -232,7 +232,7 @@ def _bodies(
 
 
 def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.void]:
-    """Attachments of the joints, in whose rows they are entered: place from the centre of mass, and end of a panel."""
+    """Return the joints' attachments (place from the centre of mass, end of a panel), and enter them in `joints`."""
     attachments = np.zeros(2 * len(mechanism.joints), dtype=attachment_type)
     names = [*(body.name for body in mechanism.bodies), GROUND]
     for k, joint in enumerate(mechanism.joints):
@@ -252,7 +252,7 @@ def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.v
 
 
 def _folded_angle(mechanism: Mechanism, k: int) -> float:
-    """Difference of the bodies' angles at joint angle 0, of which the initial one lies within pi of its middle."""
+    """Return the bodies' angle difference at joint angle 0, such that the initial angle is within pi of its middle."""
     joint = mechanism.joints[k]
     angles = {GROUND: 0.0, **{body.name: body.angle for body in mechanism.bodies}}
     angle = joint.sign * (angles[joint.outboard] - angles[joint.inboard] - joint.folded_angle)

@@ -18,7 +18,7 @@ def invert(matrix, q, inverse):
     first, second, third = matrix[STAGES * q, q], matrix[STAGES * q + 1, q], matrix[STAGES * q + 2, q]
     a1, a2, a3, b1, b2, b3 = first[0], first[1], first[2], second[0], second[1], second[2]
     c1, c2, c3 = third[0], third[1], third[2]
-    # Its rows are the products of two columns each, over the determinant.
+    # Rows of the inverse are products of two columns each, divided by the determinant.
     x1, x2, x3 = b2 * c3 - b3 * c2, b3 * c1 - b1 * c3, b1 * c2 - b2 * c1
     determinant = a1 * x1 + a2 * x2 + a3 * x3
     if not determinant > _SINGULAR:
@@ -82,7 +82,7 @@ def substitute(matrix, inverses, first, end, residual, correction):
 
 @kernel
 def subtract_product(matrix, q, i, values, target):
-    """Take the product of the block of rows `i` and columns `q` with values at the stages from a `target` (LANES,)."""
+    """Subtract the block of rows `i` and columns `q` times values at the stages from a `target` (LANES,)."""
     total = load4(target, 0)
     for k in range(STAGES):
         total = total - load4(matrix[STAGES * q + k, i], 0) * values[k]

@@ -1,7 +1,7 @@
 """Motion of the ends of a panel by groups of modes: over a step, free and under the loads at its stages; in a pose.
 
-With it goes foreshortening, whose forms and their source are in `foreshortening`: what bending does to a panel's axis,
-and tension to its bending. The stages of a step are lanes of vectors; in a pose all lanes are alike.
+With it goes foreshortening, whose forms and their source are in `foreshortening`: bending shortens a panel's axis, and
+tension acts on its bending. The stages of a step are lanes of vectors; in a pose all lanes are alike.
 """
 
 from solar_env.mechanics.modal.tables import (
@@ -40,10 +40,10 @@ from solar_env.mechanics.numerics.vectors import (
 
 @kernel
 def free_ends(panels, panel, tables, d, level, q, v):
-    """Free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
+    """Compute the free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
-        # Of slices: indices that cannot be negative are spared a test.
+        # Slices: indices that cannot be negative are spared a test.
         moves, values, rates = tables.free[d, level, begin:end], q[begin:end], v[begin:end]
         one, other = panels.shapes[d, 0, begin:end], panels.shapes[d, 1, begin:end]
         first, second = splat8(0.0), splat8(0.0)
@@ -62,7 +62,7 @@ def free_ends(panels, panel, tables, d, level, q, v):
 
 @kernel
 def forced_ends(panel, response, groups):
-    """Motion of the ends of a panel at the stages in the first `groups` groups, free and by the loads there."""
+    """Compute the motion of a panel's ends at the stages in the first `groups` groups: free, and by the loads there."""
     for group in range(groups):
         for i in range(values_of(group)):
             total = load8(panel.free[group, i], 0)
@@ -74,7 +74,7 @@ def forced_ends(panel, response, groups):
 
 @kernel
 def add_modal_forces(panels, panel, forced, d):
-    """Add what the modal forces of foreshortening do to the ends of a panel."""
+    """Add the motion of a panel's ends by the modal forces of foreshortening."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k, by_load, gain = panels.first[group] + r, forced[group, r], splat8(0.0)
@@ -130,13 +130,13 @@ def shorten_ends(panel):
 
 @kernel
 def in_all_lanes(value, rate):
-    """Vector of a value and a rate that are the same at all stages."""
+    """Return the vector of a value and a rate that are the same at all stages."""
     return joined(splat4(value), splat4(rate))
 
 
 @kernel
 def sum_ends(panels, panel, d, q, v):
-    """Motion of the ends of a panel in a pose, without foreshortening."""
+    """Compute the motion of the ends of a panel in a pose, without foreshortening."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         values, rates = q[begin:end], v[begin:end]
@@ -150,7 +150,7 @@ def sum_ends(panels, panel, d, q, v):
 
 @kernel
 def take_rest(panels, panel, d, group, r, moved):
-    """Take the motion of a coupled mode of a group out of the rest of the end values."""
+    """Subtract the motion of a coupled mode of a group from the rest of the end values."""
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]
         store8(rest, 0, load8(rest, 0) - panels.shapes[d, i, panels.first[group] + r] * moved)
@@ -174,7 +174,7 @@ def shorten_pose(panels, panel, d, q, v):
 
 @kernel
 def move_low(panels, panel, forced, d, group):
-    """Motion of the coupled coordinates of a group at the stages under the loads and the present modal forces."""
+    """Compute the motion of a group's coupled coordinates at the stages, under loads and present modal forces."""
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
         for i in range(VALUES):
@@ -197,13 +197,13 @@ def move_low(panels, panel, forced, d, group):
 
 @kernel
 def axial_form(group, r):
-    """Form that projects foreshortening on coupled axial mode `r` of a group."""
+    """Return the form that projects foreshortening on coupled axial mode `r` of a group."""
     return ODD_FIRST + r if group == AXIAL_ODD else EVEN_FIRST
 
 
 @kernel
 def push_axial(panels, panel, d):
-    """Modal forces of foreshortening on the axial modes of a panel."""
+    """Compute the modal forces of foreshortening on the axial modes of a panel."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency = panels.frequency[d, panels.first[group] + r]
@@ -214,7 +214,7 @@ def push_axial(panels, panel, d):
 
 @kernel
 def push_bending(panels, panel, d):
-    """Forces of the tension on the bending coordinates of a panel."""
+    """Compute the forces of the tension on the bending coordinates of a panel."""
     for f in range(FORMS):
         store4(panel.tension[f], 0, splat4(0.0))
     store4(panel.tension[EVEN_ENDS], 0, load4(panel.load[AXIAL_EVEN, 0], 0))
@@ -254,10 +254,10 @@ def bend(panels, panel, forced, d):
 
 @kernel
 def couple(panels, panel, forced, d):
-    """Forces of foreshortening in a panel at the stages, the axial ones first: tension is what they leave.
+    """Compute the forces of foreshortening in a panel at the stages, axial ones first: they determine the tension.
 
-    `bend` must have been called. The loads of the ends have among them the forces on the rest of their values: these
-    change here.
+    `bend` must have been called. The loads of the ends include the forces on the rest of the end values, which change
+    here.
     """
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):

@@ -24,15 +24,14 @@ from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat
 
 # One in the lane of a stage.
 _UNIT = np.array([[float(s == k) for s in range(LANES)] for k in range(STAGES)])
-# Least time [s] over which a gap of an ideal joint is closed; and over the speed that errors may have, the greatest
-# speed of that, and by how much it changes in a step: faster, it would be felt as a blow, which no step is short enough
-# for.
+# Least time [s] in which a gap of an ideal joint is closed; greatest speed of the closing, and its greatest change in a
+# step, both divided by the velocity tolerance: faster, it would be a blow, too short for any step.
 _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 
 @kernel
 def enter_piece(load, piece):
-    """Keep in which pieces of its law a load is at the stages; how many of them are others than before."""
+    """Keep in which pieces of its law a load is at the stages; return 1 at stages where the piece changed, else 0."""
     before = load4(load.piece, 0)
     store4(load.piece, 0, piece)
     return where_less(piece, before, 1.0, where_less(before, piece, 1.0, 0.0))
@@ -40,9 +39,9 @@ def enter_piece(load, piece):
 
 @kernel
 def torque_laws(model, state, work):
-    """Fill torques of joints and cable loops by their laws at the stages, with their slopes; how many pieces changed.
+    """Fill torques of joints and cable loops and their slopes at the stages; return how many pieces changed.
 
-    A cable loop's is smooth enough for Newton's iteration to pass its corner unseen.
+    A cable loop's law is smooth enough for Newton's iteration to pass its corner unseen.
     """
     changed = splat4(0.0)
     for j in range(model.joints.size):
@@ -56,7 +55,7 @@ def torque_laws(model, state, work):
             changed = changed + enter_piece(load, piece)
     for c in range(model.cables.size):
         cable, load, motion = model.cables[c], work.loads[model.joints.size + c], work.cables[c].motion
-        # The motion that it works on is minus the mismatch, that of a pull minus the length.
+        # The torque works on minus the mismatch, a pull on minus the length.
         if cable.wheel_radius == 0.0:
             torque, slope, _ = cable_torque(cable, load4(motion[STRETCH], 0))
             store4(load.law, 0, torque)
@@ -71,7 +70,7 @@ def torque_laws(model, state, work):
 
 @kernel
 def enter_row(work, r, load, diagonal):
-    """Enter a row of Newton's matrix: what the unknown less its law changes by with the unknowns of its block."""
+    """Enter a row of Newton's matrix: slopes of the unknown minus its law, by the unknowns of its block."""
     tangential = work.unknowns[r].kind == TANGENTIAL_ROW
     for c in range(work.unknowns[r].first, work.unknowns[r].end):
         moved, own = work.mobility[r, c].response, diagonal if c == r else 0.0
@@ -84,7 +83,7 @@ def enter_row(work, r, load, diagonal):
 
 @kernel
 def contact_law(joint, joint_state, scratch, normal, tangential):
-    """Fill forces and slopes at the stages of a contact's two loads; how many pieces of their laws changed."""
+    """Fill forces and slopes of a contact's two loads at the stages; return 1 at stages where a piece changed."""
     motion, tried, speed_zero = scratch.motion, scratch.tried, joint_state.impact_speed
     depth, rate, speed = load4(motion[DEPTH], 0), load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
     force, _, by_depth, by_rate = normal_force(joint, depth, rate, speed_zero)
@@ -117,7 +116,7 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
 
 @kernel
 def contact_laws(model, state, work, n):
-    """Fill the laws of all contacts among the unknowns; how many of their pieces changed, by stage."""
+    """Fill the laws of all contacts among the unknowns; return how many of their pieces changed, by stage."""
     changed = splat4(0.0)
     for r in range(n):
         if work.unknowns[r].kind == NORMAL_ROW:
@@ -129,7 +128,7 @@ def contact_laws(model, state, work, n):
 
 @kernel
 def reaction_law(state, work, r, h):
-    """Fill the residuals of a component of an ideal joint's reaction, its relative velocities, and their slopes."""
+    """Fill the residuals of an ideal joint's reaction component: scaled relative velocities; and their slopes."""
     j, kind, response, gain = work.unknowns[r].owner, work.unknowns[r].kind, work.mobility[r, r].response, 0.0
     for k in range(STAGES):
         gain += abs(response[COLUMNS * k + END_RATE])

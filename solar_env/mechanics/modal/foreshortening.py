@@ -7,7 +7,7 @@ b^T S_e b / 2. Its transpose is the tension's action on bending (J. C. Simo and 
 
 The coordinates b are the amplitudes of the lowest bending modes and what all other modes add to deflection and slope of
 the ends, as one static shape each. Without these the series is slow: acceleration of the ends by foreshortening then
-errs as one over the number of modes (12, 24 modes: 8 and 2 % of the peak reaction in the array's second joint).
+errs as one divided by the number of modes (12, 24 modes: 8 and 2 % of the peak reaction in the array's second joint).
 """
 
 import math
@@ -33,7 +33,7 @@ _MIRRORED = Polynomial([1.0, -1.0])
 
 
 def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2, modes, points) deflections and slopes of the lowest mass-normalised bending modes at the points `x` [m].
+    """Return deflections and slopes (2, modes, points) of the lowest mass-normalised bending modes at points `x` [m].
 
     Hyperbolic functions are taken apart into growing and decaying exponentials, whose factors hold all digits.
     """
@@ -49,10 +49,10 @@ def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64
 
 
 def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(4, points) slopes at the points `x` [m] by what the modes above the lowest `bending` add to the end values.
+    """Return slopes (4, points) at points `x` [m] per unit end value that the modes above the lowest `bending` add.
 
-    By a deflection [1/m] and a slope at the first end, both even about the middle, then both odd. The shapes are those
-    into which loads at the ends bend the beam statically, less what its lowest modes take of them.
+    The end values are a deflection [1/m] and a slope at the first end, both even about the middle, then both odd. Loads
+    at the ends bend the beam statically into these shapes, less the part that its lowest modes take of them.
     """
     s, found = x / length, []
     shapes = bending_shapes(1.0, 1.0, bending, s)[1]
@@ -72,7 +72,7 @@ def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[
 def quadratic_forms(
     length: float, mass: float, bending: int, axial: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """K (axial, n, n) and S (2, n, n), n = bending + 4, by bending amplitudes and by the rest of the end values."""
+    """Return K (axial, n, n) and S (2, n, n), n = bending + 4, by bending amplitudes and the rest of end values."""
     project, ends = _unit_forms(bending, axial)
     scale = np.array([*[1.0 / math.sqrt(mass)] * bending, *[1.0, length] * 2]) / math.sqrt(length)
     both = np.outer(scale, scale)
@@ -81,7 +81,7 @@ def quadratic_forms(
 
 @lru_cache(maxsize=64)
 def _unit_forms(bending: int, axial: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Both for a panel of unit length and mass."""
+    """Return K and S of `quadratic_forms` for a panel of unit length and mass."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     x, w = 0.5 * (nodes + 1.0), 0.5 * weights
     slope = np.concatenate([bending_shapes(1.0, 1.0, bending, x)[1], rest_slopes(1.0, bending, x)])

@@ -35,7 +35,7 @@ _PARTS = 8
 
 @kernel
 def view_joint(model, state, j):
-    """The joint `j` as a controller may observe it."""
+    """Return the joint `j` as a controller may observe it."""
     view = state.views[j]
     return JointView(view[0], view[1], math.atan2(math.sin(view[2]), math.cos(view[2])), view[3], view[4], view[5])
 
@@ -60,7 +60,7 @@ class FloatingFrames(Formulation):
         return float(gaps.max(initial=0.0)), float(rates.max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
-        """Evaluate the table of loads with those at the end of the last step."""
+        """Evaluate the table of loads with the loads at the end of the last step."""
         work = present_motion(model, state)
         fill_load_table(model, state, work, state.course[:, LAST], work.sample)
         return work.sample
@@ -77,7 +77,7 @@ class FloatingFrames(Formulation):
         return float(np.hypot(*model.gravity) * model.bodies["mass"][moving].max(initial=0.0))
 
     def momenta(self, model: ModalModel, state: ModalState) -> Array:
-        """Return the momenta of the frames: the modes have none."""
+        """Return the momenta of the frames: the modes have no momentum."""
         bodies = model.bodies[model.bodies["inverse_mass"] > 0.0]
         first, mass = bodies["offset"], bodies["mass"]
         x, y = state.q[first], state.q[first + 1]
@@ -86,7 +86,7 @@ class FloatingFrames(Formulation):
         return np.array([(mass * u).sum(), (mass * v).sum(), angular.sum()])
 
     def centreline(self, model: ModalModel, q: Array, body: int, points_per_element: int) -> Array:
-        """Points (..., k, 2) [m] along the axis of a body; on a panel k is 8 * points_per_element + 1."""
+        """Return the points (..., k, 2) [m] along the axis of a body; on a panel k is 8 * points_per_element + 1."""
         row = model.bodies[body]
         first = int(row["offset"])
         if row["panel"] == RIGID_BODY:
@@ -103,7 +103,7 @@ class FloatingFrames(Formulation):
         return float(slope), float(spin_ratio)
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return no defect, for every step solves for the reactions, and the greatest reaction [N]."""
+        """Return zero, since every step solves for the reactions, and the greatest component of a joint force [N]."""
         return 0.0, float(np.abs(state.course[-2 * len(model.joints) :, LAST]).max(initial=0.0))
 
 
@@ -115,7 +115,7 @@ def present_motion(model: ModalModel, state: ModalState) -> Workspace:
 
 
 def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int) -> NDArray[np.complex128]:
-    """Points of a panel's axis in its frame.
+    """Return the points of a panel's axis in its frame.
 
     The kept bending modes enter with their shapes; all else is exact at the ends, and a polynomial between them.
     """
@@ -123,7 +123,7 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
     parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]
 
     def beyond(group: int, lowest: int) -> Array:
-        """Values of the first end by all modes of a group but the lowest ones."""
+        """Return the values of the first end by all modes of a group above the `lowest`."""
         return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.shapes[d, :, parts[group]].T[lowest:])
 
     low = [
@@ -148,5 +148,5 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
 
 @lru_cache(maxsize=16)
 def _kept_shapes(modes: int, points: int) -> Array:
-    """(modes, points) bending modes of a free beam of unit mass at equal distances."""
+    """Return the (modes, points) bending modes of a free beam of unit mass at equal distances."""
     return bending_shapes(1.0, 1.0, modes, np.linspace(0.0, 1.0, points))[0]

@@ -45,15 +45,15 @@ from solar_env.mechanics.records.history import step_limit
 
 CONTROL = StepController(5.0, most_growth=4.0, memory=0.25)
 _FIRST_STEP = 1e-4  # s
-# Level of tables for one step size, of the type of other levels: of another one kernels would be compiled anew.
+# Level of tables for one step size, of the type of other levels: another type would compile the kernels anew.
 _CUT = np.int64(0)
 _OFF_TABLE = np.int64(-1)  # in `trial.level`
-# Depth errors of a step over rtol, relative to the depth.
+# Tolerance of a step's depth errors, relative to the depth, divided by rtol.
 _DEPTH_TOLERANCE = 0.1
 
 
 def convert_settings(chosen: Any) -> ModalSettings:
-    """The settings `ModalRadau` as the kernels take them."""
+    """Convert the settings `ModalRadau` to the types that the kernels take."""
     return ModalSettings(
         float(chosen.rtol),
         float(chosen.velocity_scale),
@@ -65,13 +65,13 @@ def convert_settings(chosen: Any) -> ModalSettings:
 
 @kernel
 def set_load(state, k, load):
-    """Set a load, and its course, on from the present state."""
+    """Set a load at the present state; its course becomes constant."""
     store4(state.course[k], 0, splat4(load))
 
 
 @kernel(inlined=False)
 def start_loads(model, state, work):
-    """Torques of the laws at the start of a run."""
+    """Compute the torques of the laws at the start of a run."""
     look_at(model, state.q, state.v, work)
     start_from_end(model, state, state.q, work)
     note_extremes(model, state, work, state.v)
@@ -83,7 +83,7 @@ def start_loads(model, state, work):
 
 @kernel
 def take_motion(model, state, work):
-    """Fill the motion of the joints as the run loop has it, and their views, at the accepted state."""
+    """Fill the joints' motion for the run loop, and their views, at the accepted state."""
     for j in range(model.joints.size):
         motion, place, view = work.motion[j], state.motion[j], state.views[j]
         motion.depth, motion.depth_rate = place[DEPTH], place[DEPTH_RATE]
@@ -95,7 +95,7 @@ def take_motion(model, state, work):
 
 @kernel
 def begin_modal(model, state, settings, work):
-    """Look at the present state."""
+    """Prepare a call: workspace, loads, the joints' motion and a first step size from the present state."""
     clock = state.clock[0]
     start_at_state(state, work)
     for k in range(work.loads.size):
@@ -117,7 +117,7 @@ def start_at_state(state, work):
 
 @kernel
 def choose_modal(model, state, settings, work, remaining):
-    """Step to try [s]: of the tabled sizes the greatest that does not exceed the one wanted, or what remains."""
+    """Return the step to try [s]: the greatest tabled size that does not exceed the wanted one, or the rest."""
     wanted = step_limit(state, settings)
     level = level_below(wanted)
     h = level_size(level) if level < LEVELS else wanted
@@ -129,7 +129,7 @@ def choose_modal(model, state, settings, work, remaining):
 
 @kernel
 def tables_of(model, work):
-    """Tables and level of the trial's step."""
+    """Return the tables and level of the trial's step."""
     if work.trial[0].level == _OFF_TABLE:
         return work.tables, _CUT
     return model.tables, work.trial[0].level
@@ -137,7 +137,7 @@ def tables_of(model, work):
 
 @kernel
 def attempt_modal(model, state, settings, work, h):
-    """Solve a step `h` [s]; its error in units of the tolerance, none of a step that was cut."""
+    """Solve a step `h` [s]; return its error in units of the tolerance: 0 if it was cut, infinite if unsolved."""
     trial = work.trial[0]
     if trial.cuts > 0:
         trial.level = _OFF_TABLE
@@ -152,7 +152,7 @@ def attempt_modal(model, state, settings, work, h):
 
 @kernel
 def depth_of_modal(model, state, work, j, h, share):
-    """Penetration [m] of joint `j` at a share of the step, on the cubic through its motion at both ends."""
+    """Return the penetration [m] of joint `j` at a share of the step, on the cubic through its motion at both ends."""
     ex = along(state, work, j, ECCENTRICITY_X, VELOCITY_X, h, share)
     ey = along(state, work, j, ECCENTRICITY_Y, VELOCITY_Y, h, share)
     return math.sqrt(ex * ex + ey * ey) - model.joints[j].clearance
@@ -160,13 +160,13 @@ def depth_of_modal(model, state, work, j, h, share):
 
 @kernel
 def angle_of_modal(model, state, work, j, h, share):
-    """Angle [rad] of joint `j`, likewise."""
+    """Return the angle [rad] of joint `j` at a share of the step, as `depth_of_modal` does."""
     return along(state, work, j, ANGLE, RATE, h, share)
 
 
 @kernel
 def along(state, work, j, value, rate, h, share):
-    """Value at a share of the step of the cubic through two columns of a joint's motion, a value and its rate."""
+    """Return the cubic through a joint's motion at both ends, at a share of the step; `value`, `rate` are columns."""
     start, end = state.motion[j], work.joints[j].motion
     return cubic(share, start[value], h * start[rate], end[value, LAST], h * end[rate, LAST])
 
@@ -178,7 +178,7 @@ def complete_modal(model, state, settings, work, h):
     tables, level = tables_of(model, work)
     commit_step(model, state, work, tables, level, h)
     add_integrals(model, state, work, h)
-    # Now: samples inside the step are looked at in the same scratch.
+    # Before the samples inside the step, which overwrite this scratch.
     start_from_end(model, state, work.q, work)
 
 
@@ -207,14 +207,14 @@ def evaluate_modal(model, state, work, changed):
 
 @kernel
 def contact_arcs(model, state, work, j):
-    """Arcs of the journal and of the bearing of joint `j` along which they have slid: middle and half [rad] of each."""
+    """Return the arcs along which journal and bearing of joint `j` slid in the step: middle and half [rad] of each."""
     journal, bearing = work.joints[j].arcs[0], work.joints[j].arcs[1]
     return (journal[0], journal[1]), (bearing[0], bearing[1])
 
 
 @kernel
 def instantaneous_inverse_mass(model, state, j):
-    """Inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
+    """Return the inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
     motion, joint = state.motion[j], model.joints[j]
     nx, ny, total = motion[NORMAL_X], motion[NORMAL_Y], 0.0
     for side in range(2):
@@ -237,9 +237,9 @@ def instantaneous_inverse_mass(model, state, j):
 
 @kernel
 def open_contact(model, state, work, j):
-    """Inverse mass [1/kg] that joint `j` feels along its line of centres; its loads begin with those of the laws."""
+    """Return joint `j`'s inverse mass [1/kg] along its line of centres; start its loads at their laws' values."""
     joint, motion = model.joints[j], state.motion[j]
-    # Of note where a run starts with a journal that is pressed into its bearing.
+    # The loads matter where a run starts with a journal that is pressed into its bearing.
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
     share, _ = friction_share(joint, motion[SLIDING_SPEED])
     k = force_of(model, j)

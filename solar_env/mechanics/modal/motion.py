@@ -1,6 +1,6 @@
-"""From loads to motion: loads of joints and cable loops to the bodies, their frames at the stages, what a joint sees.
+"""Motion from loads: loads of joints and cable loops on the bodies, their frames at the stages, the joints' motion.
 
-The stages of a step are lanes of vectors; of a pose that is looked at all lanes are alike. A loop's wheels turn against
+The stages of a step are lanes of vectors; in a pose all lanes are alike. A loop's wheels turn against
 the chord of the body between its joints (`joints/cable_loop.py`). Its load is the torque on the outer wheel; the motion
 that it works on, where it conserves energy, is minus the mismatch of the wheels.
 """
@@ -50,13 +50,13 @@ from solar_env.mechanics.modal.tables import (
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat4, square_roots, store4, upper_half
 
-# By load, in lanes of the stages that it moves.
+# By stage of the load, in lanes of the stages that it moves.
 VELOCITY_BY_LOAD = np.array([[A[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
 PLACE_BY_LOAD = np.array([[B[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
 NODES_IN_LANES = np.array([NODES[min(s, LAST)] for s in range(LANES)])
-# Below this angle [rad] three terms of the series of sine and cosine hold all digits.
+# Below this angle [rad] the series of sine and cosine in `turn_body` hold all digits.
 _SMALL_TURN = 0.02
-# Below this slope five terms of that of the arctangent do.
+# Below this slope the arctangent's series in `chord_angle` does.
 _SMALL_SLOPE = 0.05
 
 
@@ -89,7 +89,7 @@ def add_load(model, work, number, fx, fy, torque):
 
 @kernel
 def outboard_load(joint, nx, ny, lever, first, second, torque):
-    """Load on a joint's outboard body by its force and torque: force, torque; and the torque on the inboard one.
+    """Return force and torque on a joint's outboard body by its force and torque, and the torque on the inboard one.
 
     The force has the two components of an ideal joint's reaction, or the normal and tangential ones of a contact along
     and across (nx, ny). It takes numbers, or vectors of several configurations.
@@ -107,13 +107,13 @@ def outboard_load(joint, nx, ny, lever, first, second, torque):
 
 @kernel
 def force_of(model, j):
-    """Number of the first component of a joint's force among the loads; the second one follows."""
+    """Return the number of the first component of a joint's force among the loads; the second one follows."""
     return model.joints.size + CABLE_LOADS * model.cables.size + 2 * j
 
 
 @kernel
 def cable_attachment(model, cable, face):
-    """Number of an attachment that a loop loads: with the outer wheel, the inner one, then the chord's two ends."""
+    """Return the number of the attachment at a loop's `face`: outer wheel, inner wheel, then the chord's two ends."""
     if face == 0:
         return model.joints[cable.joint_b].outboard
     if face == 1:
@@ -123,9 +123,9 @@ def cable_attachment(model, cable, face):
 
 @kernel
 def face_load(model, cable, across_x, across_y, length, face, torque, pull, ratio):
-    """Force [N] and torque [N m] of a loop on an attachment; `ratio` is of minus the inner torque to the outer one.
+    """Return the force [N] and torque [N m] of a loop on an attachment; `ratio`: minus inner divided by outer torque.
 
-    `across_x`, `across_y` and `length` are those of its chord, along which it has the `pull` [N]. It takes numbers, or
+    `across_x`, `across_y` and `length` belong to its chord, along which it has the `pull` [N]. It takes numbers, or
     vectors of several configurations.
     """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
@@ -136,7 +136,7 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
         return nothing, nothing, -inner
     if cable.chord_sense == 0:
         return nothing, nothing, moment if face == 2 else nothing
-    # The vector along the chord is that across it turned, which is over the length.
+    # The unit vector along the chord is (across_y, -across_x) times the length.
     along = pull * length
     fx, fy = moment * across_x - along * across_y, moment * across_y + along * across_x
     return (fx, fy, nothing) if face == 3 else (-fx, -fy, nothing)
@@ -144,7 +144,7 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
 
 @kernel
 def distribute_loads(model, state, work):
-    """Fill the loads of bodies and ends at the stages from those of joints and loops, in the directions there now."""
+    """Fill the loads of bodies and ends at the stages from the loads of joints and loops, in present directions."""
     nothing = splat4(0.0)
     for b in range(model.bodies.size):
         for i in range(3):
@@ -153,7 +153,7 @@ def distribute_loads(model, state, work):
         panel = work.panels[p]
         for group in range(GROUPS):
             for i in range(VALUES):
-                # What foreshortening does to the rest of the end values is a load of the ends.
+                # Foreshortening's forces on the rest of the end values are loads of the ends.
                 rest = panel.coupling[group, model.panels.coupled[group] + i]
                 store4(panel.load[group, i], 0, load4(rest, 0) if group < AXIAL_EVEN else nothing)
     for j in range(model.joints.size):
@@ -194,7 +194,7 @@ def turn_body(start, angle, turn):
 
 @kernel
 def stage_frames(model, state, work, h):
-    """Centres of mass and angles of the bodies at the stages, with their rates."""
+    """Compute the centres of mass and angles of the bodies at the stages, with their rates."""
     times = h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         body, scratch = model.bodies[b], work.bodies[b]
@@ -243,7 +243,7 @@ def move_attachments(model, work):
 
 @kernel
 def move_joints(model, work):
-    """Fill the motion of every joint from that of its attachments."""
+    """Fill the motion of every joint from its attachments' motion."""
     for j in range(model.joints.size):
         joint, motion = model.joints[j], work.joints[j].motion
         outboard, inboard = work.attachments[joint.outboard], work.attachments[joint.inboard]
@@ -290,7 +290,7 @@ def chord_angle(cable, x, y, turn):
 
 @kernel
 def move_cables(model, work):
-    """Fill the motion of every loop from that of joints and attachments."""
+    """Fill the motion of every loop from the motion of joints and attachments."""
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         inner, outer = work.joints[cable.joint_a].motion, work.joints[cable.joint_b].motion
@@ -344,7 +344,7 @@ def look_at(model, q, v, work):
 
 @kernel
 def start_from_end(model, state, q, work):
-    """Take over the motion at the last stage, and at coordinates `q`, as that of the present state."""
+    """Take over the motion at the last stage, and at coordinates `q`, as the present state's motion."""
     for b in range(model.bodies.size):
         angle = q[model.bodies[b].offset + 2]
         state.turns[b, 0], state.turns[b, 1] = math.cos(angle), math.sin(angle)

@@ -1,10 +1,10 @@
 """One step of the three-stage Radau IIA method on the loads of the joints: Newton's iteration.
 
 Fifth order, stiffly accurate, L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
-Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Directions, lever arms and foreshortening are those of the
-stages, renewed in every iteration; the matrix takes them from the first one, and is kept while the laws of the loads
-stay in the same pieces. With ideal joints the relative velocity vanishes at the stages, less a share that returns the
-position.
+Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Directions and lever arms at the stages are renewed in
+every iteration, foreshortening after large corrections. The matrix takes them from the first iteration, and is kept
+while the laws of the loads stay in the same pieces. With ideal joints the relative velocity vanishes at the stages,
+less a share that returns the position.
 """
 
 import math
@@ -59,26 +59,26 @@ from solar_env.mechanics.numerics.vectors import lane, load4, splat4, square_roo
 
 _MOST_ITERATIONS = 30
 # Foreshortening is of second order: its forces, which go on along their course, are renewed in the first iteration, and
-# after corrections above so many tolerances; with ideal joints always.
+# after corrections above this number of tolerances; with ideal joints always.
 _COARSE = 10.0
-# The matrix is kept while the correction shrinks to this share of the one before, up to so many iterations.
+# The matrix is kept while the correction shrinks to this share of the one before, in at most this number of iterations.
 _SHRINKING = 0.1
 _KEPT_ITERATIONS = 8
 # The iteration ends where the corrections to come are less than this share of the tolerance.
 _CONVERGED, _CONVERGED_REACTIONS = 0.01, 0.05
 _HOPELESS = 1e12
-# Over the last step, up to which a load's course is followed into the next one; beyond it goes on along its tangent.
+# Greatest ratio of a step to the last one to follow a load's course; beyond, the load goes on along its tangent.
 _FOLLOWED = 1.6
 # Greatest turn [rad] of a line of centres that is foreseen.
 _GREATEST_TURN = 0.5
-# Least depth that counts, over the predicted greatest depth of the impact.
+# Least depth that counts, divided by the predicted greatest depth of the impact.
 _LEAST_DEPTH = 0.05
-# Share of a normal force over rtol by which it may be off whatever the depth says, and the least such load over that
-# which the velocity allows.
+# A normal force needs no tolerance below _LOAD_SHARE times rtol times the force, and no tolerance by its depth below
+# _LEAST_LOAD times its tolerance by the velocity.
 _LOAD_SHARE = 5.0
 _LEAST_LOAD = 0.03
 # With clearance in every joint the velocity scale shrinks with the speed of the hinges, to this share at most: slow
-# impacts are those of vibrations that an error of the size of the full scale would damp.
+# impacts come from vibrations, which an error of the size of the full scale would damp.
 _LEAST_SCALE = 0.01
 
 
@@ -94,7 +94,7 @@ class ModalSettings(NamedTuple):
 
 @kernel
 def foresee(state, work, h):
-    """Fill the weights with which the loads at the stages of the last step foretell those of a step `h` [s]."""
+    """Fill the weights with which loads at the stages of the last step foretell loads of a step `h` [s]."""
     last = state.clock[0].last_step
     for s in range(LANES):
         later = NODES[min(s, LAST)] * h / last if last > 0.0 else 0.0
@@ -110,7 +110,7 @@ def foresee(state, work, h):
 
 @kernel
 def continue_course(foreseen, course, stage):
-    """Fill values at the stages (LANES,) from those of the last step."""
+    """Fill values at the stages (LANES,) from the values at the last step's stages."""
     total = course[0] * load4(foreseen[0], 0)
     for k in range(1, STAGES):
         total = total + course[k] * load4(foreseen[k], 0)
@@ -119,7 +119,7 @@ def continue_course(foreseen, course, stage):
 
 @kernel
 def start_stages(model, state, work, h):
-    """First guess of the stages: directions by their rates at the start, loads along their course in the last step."""
+    """Guess the stages: directions by their rates at the start, loads along their course in the last step."""
     foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
@@ -160,10 +160,10 @@ def start_stages(model, state, work, h):
 
 @kernel
 def move_stages(model, state, work, tables, level, h, shaped, coupled):
-    """Motion of bodies, attachments and joints at the stages under the present loads.
+    """Compute the motion of bodies, attachments and joints at the stages under the present loads.
 
-    Where `shaped`, foreshortening is renewed, and where `coupled` its forces, too; they belong to amplitudes under
-    those of before.
+    If `shaped`, foreshortening is renewed, and if `coupled` its forces, too; they belong to amplitudes under the
+    forces before.
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
@@ -187,7 +187,7 @@ def move_stages(model, state, work, tables, level, h, shaped, coupled):
 
 @kernel
 def velocity_tolerance(model, state, settings):
-    """Tolerance of velocities [m/s] at the start of a step: of the scale, or of the hinges' speed if that is less."""
+    """Return the tolerance [m/s] of velocities: rtol times the velocity scale, or times the hinges' speed if less."""
     scale, fastest = settings.velocity_scale, 0.0
     for j in range(model.joints.size):
         if model.joints[j].kind == IDEAL:
@@ -198,7 +198,7 @@ def velocity_tolerance(model, state, settings):
 
 @kernel
 def set_tolerances(model, state, work, settings, h, n):
-    """Deviation of each force from its polynomial that errors of the size of the tolerances take."""
+    """Compute each force's tolerance: its deviation from the polynomial that causes errors of the tolerances' size."""
     limit = work.step[0].velocity_tolerance
     for r in range(n):
         j, kind, load = work.unknowns[r].owner, work.unknowns[r].kind, work.loads[work.unknowns[r].number]
@@ -214,7 +214,7 @@ def set_tolerances(model, state, work, settings, h, n):
             joint_state = state.joints[j]
             greatest = joint_state.impact_speed * joint_state.contact_duration / model.joints[j].contact[3]
             depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], _LEAST_DEPTH * greatest)
-            # A load that is off moves a stiff contact's depth by no more than its share.
+            # A load that is off by a share moves a stiff contact's depth by no more than that share.
             share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.course[work.unknowns[r].number, LAST])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
@@ -223,13 +223,13 @@ def set_tolerances(model, state, work, settings, h, n):
 
 @kernel
 def greatest_lane(vector):
-    """The greatest of the numbers at the stages."""
+    """Return the greatest of the numbers at the stages."""
     return max(max(lane(vector, 0), lane(vector, 1)), lane(vector, 2))
 
 
 @kernel
 def factor_matrix(state, work, n, h, renewed):
-    """Fill the residuals and, where it is `renewed`, Newton's matrix, block by block; False if it is singular."""
+    """Fill the residuals and, if `renewed`, fill and factor Newton's matrix block by block; False if it is singular."""
     for r in range(n):
         load, constraint = work.loads[work.unknowns[r].number], work.unknowns[r].kind >= REACTION_X_ROW
         if constraint:
@@ -247,10 +247,10 @@ def factor_matrix(state, work, n, h, renewed):
 
 @kernel
 def correct_loads(model, state, work, n, h, renewed):
-    """One correction of the loads by Newton's method, whose matrix is kept unless `renewed` or a law is in new pieces.
+    """Correct the loads once by Newton's method; its matrix is kept unless `renewed` or a law is in new pieces.
 
-    Returns the greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the
-    matrix is singular or a change is not finite.
+    Return the greatest change of an unknown, and of a torque that is not one, divided by their tolerances; infinite if
+    the matrix is singular or a change is not finite.
     """
     size = apart = total = splat4(0.0)
     changed = greatest_lane(torque_laws(model, state, work) + contact_laws(model, state, work, n))
@@ -277,7 +277,7 @@ def correct_loads(model, state, work, n, h, renewed):
 
 @kernel
 def furthest_off(model, work, n):
-    """Joint whose load the latest correction has changed most, over its tolerance, or -1."""
+    """Return the joint whose load the latest correction has changed most in units of its tolerance, or -1."""
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
@@ -307,8 +307,8 @@ def solve_step(model, state, work, settings, tables, level, h):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
     done = False
     for iteration in range(_MOST_ITERATIONS):
-        # A reaction holds the joint where foreshortening has it: it must not be left behind. And the next step takes
-        # out what velocity it finds in ideal joints: at the end it must be that of the coordinates.
+        # A reaction holds the joint where foreshortening puts it: foreshortening must be current. And the next step
+        # removes any velocity that it finds in ideal joints: at the end it must belong to the coordinates.
         coupled = not done and (constrained or iteration == 0 or before > _COARSE)
         move_stages(model, state, work, tables, level, h, coupled or constrained, coupled)
         if done:
@@ -316,16 +316,16 @@ def solve_step(model, state, work, settings, tables, level, h):
         state.clock[0].evaluations += 1
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
-        # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
+        # Anew each time: the depth that a journal would reach freely is no measure of the depth that it does reach.
         set_tolerances(model, state, work, settings, h, n)
         size, apart = correct_loads(model, state, work, n, h, renewed)
         shrinking = size < _SHRINKING * before
         size = max(size, apart)
         if not size < _HOPELESS:
             return False
-        # Of the corrections to come, by the rate at which they shrink; but a relative velocity that is left in an ideal
-        # joint would be a blow in the next step. A first correction may do without contacts and reactions, whose
-        # directions are not known before.
+        # Sum of the corrections to come, by the rate at which they shrink; but a relative velocity that is left in an
+        # ideal joint would be a blow in the next step. A first correction suffices only without unknowns: directions
+        # of contacts and reactions are not known before.
         left = size * size / (before - size) if size < before < math.inf and not constrained else size
         enough = _CONVERGED_REACTIONS if constrained else _CONVERGED
         done = min(left, size) <= enough and (iteration > 0 or n == 0)

@@ -1,6 +1,6 @@
-"""How the modes of a panel answer a step of the three-stage Radau IIA method: one mode, and tables over step sizes.
+"""Answers of a panel's modes to a step of the three-stage Radau IIA method: of one mode, and tables by step size.
 
-y'' + 2 delta y' + omega^2 y = f. The stages are those of E. Hairer and G. Wanner, Solving Ordinary Differential
+y'' + 2 delta y' + omega^2 y = f. The stages are from E. Hairer and G. Wanner, Solving Ordinary Differential
 Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last one is the step's end. A
 load's course over a step is the polynomial through its values at the stages. A mode answers it exactly, also where it
 vibrates several times in a step, if it is damped enough for errors to fade. The others answer as the method makes them,
@@ -29,7 +29,7 @@ NODES = ((4.0 - math.sqrt(6.0)) / 10.0, (4.0 + math.sqrt(6.0)) / 10.0, 1.0)
 
 
 def _polynomial(stage: int) -> Polynomial:
-    """The polynomial in the share of the step that is one at a stage and zero at the others."""
+    """Return the polynomial in the share of the step that is one at a stage and zero at the others."""
     others = [node for k, node in enumerate(NODES) if k != stage]
     whole = Polynomial.fromroots(others)
     return whole / whole(NODES[stage])
@@ -61,26 +61,26 @@ BY_LOAD = STAGES * COLUMNS
 
 # A step resolves a mode whose omega h is below this.
 RESOLVED = 2.0
-# Beyond it a mode is exact up to omega h of `Panels.exact` if its damping ratio is so large, and 2 delta h below
+# Beyond it a mode is exact up to omega h of `Panels.exact` if its damping ratio exceeds this, and 2 delta h is below
 # RESOLVED.
 _DAMPED = 0.02
 # Up to this omega h the Taylor series is used; beyond it loses digits, and the closed form has them.
 _SERIES = 3.0
 _TERMS = 26
-_NEGLIGIBLE = 1e-20  # part of what a term is added to
+_NEGLIGIBLE = 1e-20  # greatest term that may be left out, relative to the first ones
 _SHARES = np.array([1.0 / ((n + 2) * (n + 1)) for n in range(_TERMS)])
 # In lanes of the cases: start value, start rate, and by power the loads' courses.
 _UNIT_VALUE, _UNIT_RATE = np.eye(2, COLUMNS)
 _UNIT_LOADS = np.zeros((STAGES, COLUMNS))
 _UNIT_LOADS[:, 2 : 2 + STAGES] = np.transpose(POLYNOMIAL)
 
-# Tabled step sizes: the greatest [s], and their number; each is the one before over the square root of two.
+# Tabled step sizes: the greatest [s], and their number; each is the one before divided by the square root of two.
 GREATEST_STEP = 0.032
 LEVELS = 50
 _SIZES = GREATEST_STEP * 2.0 ** (-0.5 * np.arange(LEVELS))
 
 # Errors of a vibration that is not resolved: of its rate, and of its value times its frequency. Either one vanishes at
-# some phases. Free motion has them in the lanes that have no stage.
+# some phases. Tables of free motion have them in lanes without a stage.
 DEFECTS = 2
 DEFECT_LANES = (STAGES, LANES + STAGES)
 
@@ -118,8 +118,8 @@ response_type = record(
     [
         # Of value i by load j of a group, COLUMNS for the load at each stage.
         ("response", np.float64, (GROUPS, VALUES, VALUES, BY_LOAD)),
-        # Of an end itself and of the other one, by PRODUCTS of motion and unit load; at the second end, and of the
-        # first by the second, where across and turning meet, with another sign.
+        # Of the loaded end and of the other one, by PRODUCTS of motion and unit load, for a load at the first end.
+        # `unknowns.add_shared` has the signs of ACROSS_TURNING for the other cases.
         ("ends", np.float64, (2, PRODUCTS, BY_LOAD)),
         # Defects of the first value by load j at the start: what the load holds in place does not vibrate.
         ("held", np.float64, (DEFECTS, GROUPS, VALUES)),
@@ -127,15 +127,15 @@ response_type = record(
     ]
 )
 
-# Scratch of a panel in a step; last axes of LANES are stages, those of COLUMNS values and rates at the stages.
+# Scratch of a panel in a step; last axes of LANES are stages, of COLUMNS values and rates at the stages.
 panel_scratch = record(
     [
         # Of the ends at the stages: transverse force and moment, or axial force.
         ("load", np.float64, (GROUPS, VALUES, LANES)),
-        # Forces of foreshortening at the stages: on the coupled modes, and on the rest of the end values, whose forces
-        # load all modes, the coupled ones too, where the former take them back.
+        # Forces of foreshortening at the stages: on the coupled modes, and on the rest of the end values. The latter
+        # load all modes; on the coupled modes the former take that back.
         ("coupling", np.float64, (GROUPS, LOW, LANES)),
-        # Rates of the coupled axial amplitudes less those of foreshortening, at the end.
+        # Rates of the coupled axial amplitudes minus foreshortening's rates, at the end.
         ("strain_rate", np.float64, (GROUPS, LOW)),
         ("free", np.float64, (GROUPS, VALUES, COLUMNS)),  # free motion of the ends
         ("defect", np.float64, (DEFECTS, GROUPS)),  # of the first value at the end of the step, free
@@ -144,7 +144,7 @@ panel_scratch = record(
         ("low", np.float64, (GROUPS, LOW, COLUMNS)),  # motion of the coupled coordinates
         ("gradient", np.float64, (2, LOW, FORMS, LANES)),  # of the forms by the coordinates of bending
         ("shortening", np.float64, (FORMS, COLUMNS)),  # values of the forms and their rates
-        ("tension", np.float64, (FORMS, LANES)),  # that works on the forms
+        ("tension", np.float64, (FORMS, LANES)),  # tension that works on the forms
     ]
 )
 
@@ -175,7 +175,7 @@ class Tables(NamedTuple):
 
 
 def make_tables(panels: Panels, levels: int) -> Tables:
-    """Allocate tables."""
+    """Allocate tables for a number of step sizes."""
     designs, modes = panels.frequency.shape
     shape = (designs, levels)
     return Tables(
@@ -198,7 +198,7 @@ def exact_coefficients(frequency, damping_rate, h, answer):
     rate0 = rate1 = rate2 = second
     value0, value1, value2 = first + NODES[0] * second, first + NODES[1] * second, first + second
     power0, power1 = NODES[0], NODES[1]
-    # From the terms of the powers n and n + 1 follows that of n + 2.
+    # The terms of the powers n and n + 1 give the term of n + 2.
     for n in range(_TERMS):
         share = _SHARES[n]
         following = share * (-(damping * (n + 1)) * second - square * first)
@@ -228,7 +228,7 @@ def exact_coefficients(frequency, damping_rate, h, answer):
 
 @kernel
 def closed_coefficients(frequency, damping_rate, h, coefficients):
-    """Fill (COEFFICIENTS,) for an underdamped mode: free vibration about what a load's polynomial holds in place."""
+    """Fill (COEFFICIENTS,) for an underdamped mode: free vibration about the particular solution of a load."""
     square, inverse = frequency * frequency, 1.0 / h
     damped = math.sqrt(square - damping_rate * damping_rate)
     for s in range(STAGES):
@@ -313,19 +313,19 @@ def fill_answer(frequency, damping_rate, exact, h, answer):
 
 @kernel
 def values_of(group):
-    """Number of end values of a group."""
+    """Return the number of end values of a group."""
     return 2 if group < AXIAL_EVEN else 1
 
 
 @kernel
 def side(end):
-    """Sign of what is odd at an end: as at the first one, or opposite."""
+    """Return the sign of odd motion at an end: 1 at the first end, -1 at the second."""
     return 1.0 - 2.0 * end
 
 
 @kernel
 def add_mode(shapes, frequency, answer, group, k, responses):
-    """Add what mode `k` of a group does to the responses of a step size."""
+    """Add the answer of mode `k` of a group to the responses of a step size."""
     for i in range(values_of(group)):
         for j in range(values_of(group)):
             product, row = shapes[i, k] * shapes[j, k], responses.response[group, i, j]
@@ -348,7 +348,7 @@ def join_groups(responses):
         (TURNING_TURNING, BENDING_EVEN, 1, 1),
     ):
         even, odd = responses.response[group, i, j], responses.response[group + 1, i, j]
-        # The slopes of what is even are opposite at the ends.
+        # The slopes of even modes are opposite at the ends.
         sign = -1.0 if product == TURNING_TURNING else 1.0
         for c in range(BY_LOAD):
             responses.ends[0, product, c] = even[c] + odd[c]
@@ -396,13 +396,13 @@ def fill_level(panels, tables, level, h):
 
 @kernel
 def level_size(level):
-    """Step size [s] of a level."""
+    """Return the step size [s] of a level."""
     return _SIZES[level]
 
 
 @kernel
 def level_below(h):
-    """Level of the greatest tabled step size that does not exceed `h` [s]; LEVELS if there is none."""
+    """Return the level of the greatest tabled step size that does not exceed `h` [s]; LEVELS if all exceed it."""
     level = 0
     while level < LEVELS and _SIZES[level] > h * (1.0 + 1e-12):
         level += 1
@@ -410,7 +410,7 @@ def level_below(h):
 
 
 def filled_tables(panels: Panels) -> Tables:
-    """Tables for all tabled step sizes."""
+    """Return the tables for all tabled step sizes."""
     tables = make_tables(panels, LEVELS)
     for level in range(LEVELS):
         fill_level(panels, tables, level, level_size(level))

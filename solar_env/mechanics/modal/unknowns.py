@@ -50,20 +50,20 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.vectors import joined, load4, load8, splat8, store8
 
-# Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
+# Change of a torque by its own motion, divided by the torque, that converges at once without Newton's matrix.
 _SOFT = 0.05
-# Share of the velocity by a constant load that counts where a load's course is off by as much at the start of a step:
-# at the stages it is exact, and its integral over the step is of higher order.
+# Velocity error of a load whose course is off at the start of a step, divided by the velocity that a constant load of
+# that size causes: at the stages the course is exact, and its integral over the step is of higher order.
 DEVIATION = 1.0 / 12.0
 # Least torque ratio of a cable loop that tells of errors at the inner wheel.
 _LEAST_RATIO = 1e-3
-# Step [s] below which what a joint's loads do to others is left to the iteration.
+# Step [s] below which the effect of a joint's loads on other joints is left to the iteration.
 _APART = 5e-4
 
 
 @kernel
 def effect_of_torque(model, tables, level, h, j):
-    """Greatest changes over a step by a unit of a joint's torque: of its angle [rad], of its points' velocity [m/s]."""
+    """Return the greatest changes in a step per unit torque of a joint: angle [rad], velocity of its points [m/s]."""
     joint, angle, velocity = model.joints[j], 0.0, 0.0
     for face in range(2):
         attachment = model.attachments[joint.outboard if face == 0 else joint.inboard]
@@ -82,7 +82,7 @@ def effect_of_torque(model, tables, level, h, j):
 
 @kernel
 def list_unknown(model, work, r, kind, j, number):
-    """Enter unknown `r` of joint `j`, the load `number`; returns how many unknowns there are then."""
+    """Enter unknown `r` of joint `j`, the load `number`; return the number of unknowns so far."""
     unknown, joint = work.unknowns[r], model.joints[j]
     unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, j, number, 2
     unknown.attachment[0], unknown.attachment[1] = joint.outboard, joint.inboard
@@ -91,7 +91,7 @@ def list_unknown(model, work, r, kind, j, number):
 
 @kernel
 def list_loop(model, work, r, kind, c, number):
-    """Enter unknown `r` of cable loop `c`, likewise."""
+    """Enter unknown `r` of cable loop `c`, the load `number`; return the number of unknowns so far."""
     unknown = work.unknowns[r]
     unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, c, number, FACES
     for face in range(FACES):
@@ -101,9 +101,9 @@ def list_loop(model, work, r, kind, c, number):
 
 @kernel
 def list_rows(model, state, work, tables, level, h):
-    """List the unknowns, and set the tolerances of torques; returns the number of unknowns.
+    """List the unknowns, and set the tolerances of torques; return the number of unknowns.
 
-    A torque that a step hardly changes is none: it follows the motion from iteration to iteration.
+    A torque that a step hardly changes is not an unknown: it follows the motion from iteration to iteration.
     """
     n = 0
     for j in range(model.joints.size):
@@ -136,7 +136,7 @@ def list_rows(model, state, work, tables, level, h):
 
 @kernel
 def mark_blocks(work, n, h):
-    """Enter the unknowns that Newton's matrix couples with each one: all, or in short steps those of one joint."""
+    """Enter the unknowns that Newton's matrix couples with each one: all, or in short steps one joint's unknowns."""
     apart = h < _APART
     for r in range(n):
         apart = apart and work.unknowns[r].faces < FACES and work.unknowns[r].kind < REACTION_X_ROW
@@ -155,7 +155,7 @@ def mark_blocks(work, n, h):
 
 @kernel
 def enter_load(model, work, number, fx, fy, torque, load):
-    """Enter a load on an attachment as its body's frame has it, in the directions of the last stage."""
+    """Enter a load on an attachment in its body's frame, with the directions of the last stage."""
     turn, local = work.bodies[model.attachments[number].body].turn, work.attachments[number].local
     c, s = turn[0, LAST], turn[1, LAST]
     along, across = c * fx + s * fy, c * fy - s * fx
@@ -165,7 +165,7 @@ def enter_load(model, work, number, fx, fy, torque, load):
 
 @kernel
 def fill_unit_loads(model, work, n):
-    """Unit loads of the unknowns in the frames of their bodies, as the last stage has them."""
+    """Compute the unit loads of the unknowns in the frames of their bodies, as the last stage has them."""
     for r in range(n):
         unknown = work.unknowns[r]
         if unknown.faces == FACES:
@@ -221,7 +221,7 @@ def add_shared(work, model, tables, level, number, reading, other, opposite, sum
 def share_motion(model, work, tables, level, p, q, mutual):
     """Fill the motion that unknown `p` reads off by a unit of unknown `q`, and if `mutual` the other way round.
 
-    It is of the bodies that both load.
+    Only bodies that both unknowns load contribute.
     """
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
@@ -239,7 +239,7 @@ def share_motion(model, work, tables, level, p, q, mutual):
 
 @kernel
 def fill_mobility(model, work, tables, level, h, n):
-    """Motion that each unknown works on by a unit of each other in its block, at the stages."""
+    """Compute the motion that each unknown works on by a unit of each other in its block, at the stages."""
     fill_unit_loads(model, work, n)
     for k in range(STAGES):
         store8(work.rigid, COLUMNS * k, joined(h * h * load4(PLACE_BY_LOAD[k], 0), h * load4(VELOCITY_BY_LOAD[k], 0)))

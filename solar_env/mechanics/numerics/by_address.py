@@ -12,7 +12,7 @@ from numba.extending import intrinsic, overload
 
 
 def address_of(kernel: Any, *arguments: Any) -> int:
-    """Address of the code that a call from Python with arguments of these types runs, in this process; 0 uncompiled.
+    """Return the address of the code that a call from Python with such arguments runs, in this process; 0 uncompiled.
 
     The code is compiled, or loaded, if it is not there yet.
     """
@@ -25,7 +25,7 @@ def address_of(kernel: Any, *arguments: Any) -> int:
 
 
 def call_at(address: int, kernel: Any, *arguments: Any) -> Any:
-    """Call a kernel at its `address_of` arguments of the same types; from Python, call it."""
+    """Call a kernel at its `address_of` arguments of the same types; from Python, call the kernel itself."""
     return kernel(*arguments)
 
 

@@ -12,7 +12,7 @@ Row = TypeVar("Row")
 
 
 def chosen_by_type(table: Mapping[type, Row], pick: Callable[[Row], Any]) -> Callable[[Any], Any]:
-    """A function of a named tuple, for kernels and Python alike, that gives what `pick` takes from its class's row."""
+    """Return a function of a named tuple, in kernels and Python, that gives `pick` of its class's row in `table`."""
 
     def find(value: Any) -> Any:
         return pick(table[type(value)])

@@ -4,7 +4,7 @@ import math
 from dataclasses import fields
 from itertools import pairwise
 
-MOST_POINTS = 24  # of a table
+MOST_POINTS = 24  # most points of a table
 
 
 def require(condition: bool, owner: object, name: str, value: object, rule: str) -> None:
@@ -29,7 +29,7 @@ def require_count(owner: object, name: str, least: int, greatest: int) -> None:
 
 
 def require_finite(owner: object, *skip: str) -> None:
-    """Check that the numbers of a description are finite, but for the fields named in `skip`."""
+    """Check that the numbers of a description are finite, except the fields named in `skip`."""
     for item in fields(owner):  # type: ignore[arg-type]
         value = getattr(owner, item.name)
         if item.name in skip:

@@ -1,7 +1,7 @@
 """Named tuples of arrays that a kernel takes from Python as one address.
 
-Of other arguments Numba unpacks array after array. For those of a mechanism that takes as long as some steps in every
-call, and the code that does it takes seconds to compile.
+Numba unpacks other arguments array by array. For a mechanism's arrays that takes as long as some steps in every call,
+and the code that does it takes seconds to compile.
 """
 
 from typing import Any
@@ -31,12 +31,12 @@ class Handle:
         self._numba_type_ = _TYPES.get(tuple(form)) or _TYPES.setdefault(tuple(form), _HandleType(typeof(arrays)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """For copies and pickles, whose arrays lie elsewhere."""
+        """Rebuild the handle in copies and pickles, whose arrays lie elsewhere."""
         return Handle, (self.arrays,)
 
 
 def _describe(entry: Any, words: list[int], form: list[Any]) -> None:
-    """Append the members of Numba's structure of an entry, 8 bytes each, and what its type follows from.
+    """Append an entry's members in Numba's structure, 8 bytes each, to `words`, and the parts of its type to `form`.
 
     An array has no owner in that structure.
     """
@@ -57,7 +57,7 @@ _TYPES: dict[tuple[Any, ...], "_HandleType"] = {}
 
 
 def arrays_of(handle: Handle) -> Any:
-    """The named tuple of a handle, in Python and in kernels."""
+    """Return the named tuple of a handle, in Python and in kernels."""
     return handle.arrays
 
 
@@ -78,7 +78,7 @@ def _unbox(kind: _HandleType, handle: Any, c: Any) -> NativeValue:
     return NativeValue(pointer)
 
 
-# Not inlined by Numba, which would take what is written to the arrays for dead.
+# Not inlined by Numba, which would remove writes to the arrays as dead.
 @overload(arrays_of, jit_options={"forceinline": True, "_nrt": False})
 def _compiled_arrays(handle):
     return lambda handle: _loaded(handle)
@@ -87,7 +87,7 @@ def _compiled_arrays(handle):
 @intrinsic
 def _loaded(typing_context: Any, handle: Any) -> tuple[Signature, Any]:
     def load(builder: ir.IRBuilder, pointer: ir.Value) -> ir.Value:
-        """Load member by member, so that those that nobody uses vanish."""
+        """Load member by member, so that unused members vanish."""
         kind = pointer.type.pointee
         if not isinstance(kind, (ir.LiteralStructType, ir.ArrayType)):
             return builder.load(pointer)

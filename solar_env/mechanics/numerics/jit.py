@@ -27,12 +27,12 @@ _PACKAGE = Path(__file__).resolve().parents[2]
 
 @cache
 def imported_files(path: Path) -> tuple[Path, ...]:
-    """Files of the package that a file of it imports, by its lines `from solar_env... import ...`."""
+    """Return the files of the package that a file of it imports, by its lines `from solar_env... import ...`."""
     lines = rf"^ *from {_PACKAGE.name}\.([\w.]+) import (\([^)]*\)|.*)$"
     files = []
     for module, names in re.findall(lines, path.read_text(encoding="utf-8"), re.MULTILINE):
         base = _PACKAGE.joinpath(*module.split("."))
-        # What is imported may be a module, too.
+        # An imported name may be a module, too.
         places = [base.with_suffix(".py"), base / "__init__.py"]
         places += [(base / name).with_suffix(".py") for name in re.findall(r"\w+", names)]
         files += [place for place in places if place.is_file()]
@@ -40,7 +40,7 @@ def imported_files(path: Path) -> tuple[Path, ...]:
 
 
 def kernel_sources(path: Path) -> list[Path]:
-    """A file with all that it imports of the package, directly or not: constants and array types are compiled in."""
+    """Return a file and all it imports from the package, directly or not: constants and array types are compiled in."""
     found, waiting = set(), [path]
     while waiting:
         source = waiting.pop()
@@ -51,10 +51,10 @@ def kernel_sources(path: Path) -> list[Path]:
 
 
 def private_folder(path: Path) -> Path:
-    """Make a folder that only this user can write, or check that one is.
+    """Make a folder that only this user can write, or check an existing one.
 
     Raises:
-        OSError: if it cannot be made or written, or others can write there: what is in the cache is executed.
+        OSError: if it cannot be made or written, or others can write there: the cache's code is executed.
     """
     path.mkdir(mode=0o700, parents=True, exist_ok=True)
     if not os.access(path, os.W_OK):
@@ -69,10 +69,10 @@ def private_folder(path: Path) -> Path:
 
 
 def cache_root() -> Path:
-    """Folder of all compiled kernels: `NUMBA_CACHE_DIR`, the user's cache folder, or else one of the temporary folder.
+    """Return the compiled kernels' folder: `NUMBA_CACHE_DIR`, the user's cache folder, or one in the temporary folder.
 
     Raises:
-        OSError: if none can be made, or others can write there.
+        OSError: if no folder can be made, or others can write there.
     """
     chosen = Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("solar_env", appauthor=False))
     owner = f"-{os.getuid()}" if hasattr(os, "getuid") else ""
@@ -89,7 +89,7 @@ def cache_root() -> Path:
 
 @cache
 def cache_folder(path: Path) -> str:
-    """Folder of the compiled kernels of a source file.
+    """Return the folder of the compiled kernels of a source file.
 
     Raises:
         OSError: as `cache_root`.
@@ -103,10 +103,10 @@ def cache_folder(path: Path) -> str:
 
 
 class KernelCache(FunctionCache):
-    """Numba's cache of a function, of which nothing damaged is loaded and no failure to write ends a run.
+    """Numba's cache of a function that loads nothing damaged, and whose failures to write end no run.
 
-    Its folder is Numba's setting `CACHE_DIR`, whose name says of which sources the kernels are; neither place nor time
-    of the source file does.
+    Its folder is Numba's setting `CACHE_DIR`, whose name identifies the sources of the kernels, whatever the place and
+    time of the source file.
     """
 
     def __init__(self, function: Any) -> None:
@@ -116,7 +116,7 @@ class KernelCache(FunctionCache):
         self._cache_file = IndexDataCacheFile(cache_path=self._cache_path, filename_base=name, source_stamp="")
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load what was compiled for a signature; None where there is nothing, or what is there is damaged."""
+        """Load the compiled code for a signature; return None if it is missing or damaged."""
         try:
             return super().load_overload(sig, target_context)
         except Exception:  # whatever unpickling or linking makes of bytes that are no longer what was written
@@ -124,7 +124,7 @@ class KernelCache(FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep what was compiled, if it can be written."""
+        """Keep the compiled code, if it can be written."""
         try:
             super().save_overload(sig, data)
         except Exception as error:  # a full disk, or an index that is damaged
@@ -156,8 +156,8 @@ def kernel(function: Callable[..., Any] | None = None, *, inlined: bool = True) 
 
     Args:
         function: to compile; left out where the decorator has options.
-        inlined: LLVM puts the code in the place of every call by a kernel, which spares passing tuples of arrays. Long
-            kernels that several others call, or seldom, compile faster where it is left to decide.
+        inlined: LLVM replaces every call by a kernel with the code, which spares passing tuples of arrays. Long kernels
+            that several others call, or that are called seldom, compile faster where LLVM is left to decide.
     """
     if function is None:
         return partial(kernel, inlined=inlined)

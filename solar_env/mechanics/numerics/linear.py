@@ -8,18 +8,18 @@ from solar_env.mechanics.numerics.vectors import load4, splat4, sum_lanes
 
 @kernel
 def greater(one, other):
-    """The greater of two numbers, or NaN if one of them is."""
+    """Return the greater of two numbers, or NaN if one of them is."""
     return one if one >= other or one != one else other
 
 
 @kernel
 def greatest(values):
-    """The greatest of numbers that are not negative, or NaN if one of them is."""
+    """Return the greatest of numbers that are not negative, or NaN if one of them is."""
     worst = 0.0
     for i in range(values.size):
         if not values[i] <= worst:
             worst = values[i]
-            # By a branch that is never taken: a comparison more for every number would take longer.
+            # In a branch that is hardly ever taken: another comparison for every number would take longer.
             if worst != worst:
                 break
     return worst
@@ -27,7 +27,7 @@ def greatest(values):
 
 @kernel
 def all_finite(values):
-    """Whether all numbers of a vector are finite."""
+    """Return whether all numbers of a vector are finite."""
     sums, whole = splat4(0.0), values.size - values.size % 4
     for k in range(0, whole, 4):
         sums = sums + 0.0 * load4(values, k)

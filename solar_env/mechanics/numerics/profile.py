@@ -27,7 +27,7 @@ _SHIFT, _REST = 2, 3
 class Elimination(NamedTuple):
     """Order of the unknowns (coordinates, multipliers of rows, multipliers of lengths) and the profile."""
 
-    position: NDArray[np.int64]  # (unknowns,) place in the order; -1 for those that are held
+    position: NDArray[np.int64]  # (unknowns,) place in the order; -1 for held unknowns
     empty: NDArray[np.int64]  # places without an unknown
     first: NDArray[np.int64]  # (blocks,) first block in the profile of each row of blocks
     base: NDArray[np.int64]  # (blocks,) the number of block (row, column) is base[row] + column
@@ -42,7 +42,7 @@ class ProfileMatrix(NamedTuple):
 
 
 def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int]]) -> Elimination:
-    """Profile for an order of elimination, which may leave places empty, and the pairs of unknowns that are coupled."""
+    """Return the profile for an order of elimination, which may leave places empty, and pairs of coupled unknowns."""
     blocks = int(position.max()) // BLOCK + 1 if position.size else 0
     first = np.arange(blocks)
     places = np.sort(position[np.array(couplings, dtype=np.int64).reshape(-1, 2)], axis=1)
@@ -68,7 +68,7 @@ def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
 
 @kernel(inlined=False)
 def clear(elimination, matrix):
-    """Set all entries to zero, but those of empty places on the diagonal to one."""
+    """Set all entries to zero, and the diagonal entries of empty places to one."""
     for array in (matrix.lower, matrix.upper, matrix.diagonal):
         for i in range(array.shape[0]):
             for k in range(_ENTRIES):
@@ -94,7 +94,7 @@ def add_entry(elimination, matrix, i, j, value):
 
 
 def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64]:
-    """The matrix by unknowns, with zero rows and columns for those that are held."""
+    """Return the matrix by unknowns, with zero rows and columns for held unknowns."""
     unknowns, blocks = elimination.position.size, elimination.first.size
     lower, upper, diagonal = (array.reshape(-1, BLOCK, BLOCK) for array in matrix)
     ordered = np.zeros((blocks, blocks, BLOCK, BLOCK))
@@ -126,7 +126,7 @@ def add_to(x, place, value):
 
 @kernel
 def taken(x, place):
-    """The entry of a vector (blocks, BLOCK); zero if the unknown is held."""
+    """Return the entry of a vector (blocks, BLOCK); zero if the unknown is held."""
     return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
 
 
@@ -159,9 +159,9 @@ def _scale(block, inverse):
 
 @kernel
 def _invert(block, s0, s1, s2, s3):
-    """Invert the block without exchange of pivots.
+    """Invert a block in place without exchange of pivots.
 
-    False if a pivot is not finite, or has lost all its digits: it is tiny beside the entry `s0` .. that it was.
+    Return False if a pivot is not finite, or has lost all its digits: it is tiny beside its original entry `s0` ...
     """
     sizes = (s0, s1, s2, s3)
     for p in range(BLOCK):
@@ -186,7 +186,7 @@ def _invert(block, s0, s1, s2, s3):
 
 @kernel(inlined=False)
 def profile_factor(elimination, matrix):
-    """Factor in place into a unit lower and an upper block triangle; False if a pivot vanishes or is not finite.
+    """Factor a matrix in place into a unit lower and an upper block triangle; False if a pivot is zero or not finite.
 
     The inverses of the blocks on the diagonal are kept there.
     """
@@ -210,7 +210,7 @@ def profile_factor(elimination, matrix):
 
 @kernel
 def _times(block, x0, x1, x2, x3):
-    """A block, row by row, times a vector."""
+    """Return a block, row by row, times a vector."""
     return (
         block[0] * x0 + block[1] * x1 + block[2] * x2 + block[3] * x3,
         block[4] * x0 + block[5] * x1 + block[6] * x2 + block[7] * x3,
@@ -221,7 +221,7 @@ def _times(block, x0, x1, x2, x3):
 
 @kernel
 def _transposed_times(block, x):
-    """A block, column by column, times a vector (BLOCK,)."""
+    """Return a block, column by column, times a vector (BLOCK,)."""
     a, b, c, d = x[0], x[1], x[2], x[3]
     return (
         block[0] * a + block[4] * b + block[8] * c + block[12] * d,

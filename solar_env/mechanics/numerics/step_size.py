@@ -11,20 +11,20 @@ from typing import NamedTuple
 from solar_env.mechanics.numerics.jit import kernel
 
 _SAFETY = 0.9
-UNSOLVED = 0.25  # share of a step whose equations were not solved with which it is tried again
+UNSOLVED = 0.25  # share of a step to try again if the step's equations were not solved
 
 
 class StepController(NamedTuple):
-    """How the size of steps follows their errors.
+    """Rule by which the size of steps follows their errors.
 
     Attributes:
         order: power of the step with which its error grows.
         proportional: how much the error of the step counts; 1 aims the next one at the tolerance.
         integral: how much the error of the step before counts; 0: not at all.
-        least_error: smaller ones count as this.
-        least_share: of a refused step, with which it is tried again.
-        most_growth: from one step to the next.
-        least_growth: below which a step is kept as it is, where a change costs much.
+        least_error: smaller errors count as this.
+        least_share: least share of a refused step with which it is tried again.
+        most_growth: greatest growth from one step to the next.
+        least_growth: growth below which a step is kept as it is, where a change costs much.
         memory: share of the error of the step before that counts at least, for errors that may pass through zero.
     """
 
@@ -40,7 +40,7 @@ class StepController(NamedTuple):
 
 @kernel
 def shortened(control, h, error):
-    """Step [s] with which one of size `h` [s] is tried again, whose error is above one or not finite."""
+    """Return the size [s] with which a step of `h` [s] is tried again after an error above one or not finite."""
     if not error < math.inf:
         return h * control.least_share
     return h * max(_SAFETY * error ** (-1.0 / control.order), control.least_share)
@@ -48,7 +48,7 @@ def shortened(control, h, error):
 
 @kernel
 def growth(control, error, last_error):
-    """Size of the next step in units of the present one, from the errors of that and of the one before it."""
+    """Return the next step's size divided by the present one's, from the errors of the present and the last step."""
     wanted = _SAFETY * max(error, control.least_error) ** (-control.proportional / control.order)
     wanted = min(wanted * last_error ** (control.integral / control.order), control.most_growth)
     return 1.0 if wanted < control.least_growth else wanted

@@ -28,7 +28,7 @@ class Vector(types.Type):
 
 @register_model(Vector)
 class VectorModel(models.PrimitiveModel):
-    """LLVM's vector type for it."""
+    """LLVM's vector type for `Vector`."""
 
     def __init__(self, manager: Any, kind: Vector) -> None:
         super().__init__(manager, kind, ir.VectorType(ir.DoubleType(), kind.width))
@@ -38,7 +38,7 @@ VECTORS = {width: Vector(width) for width in (4, 8)}
 
 
 def _widened(builder: Any, kind: Any, value: Any, width: int) -> Any:
-    """A vector as it is; a number in every lane of one."""
+    """Return a vector as it is; a number in every lane of one."""
     if isinstance(kind, Vector):
         return value
     if isinstance(kind, types.Integer):
@@ -54,7 +54,7 @@ def _typed(function: Callable[..., Any], result: Callable[..., Any]) -> None:
 
 
 def _place(context: Any, builder: Any, kind: Any, array: Any, first: Any, width: int) -> Any:
-    """Pointer to a vector in a contiguous array of numbers."""
+    """Return the pointer to a vector in a contiguous array of numbers."""
     data = context.make_array(kind)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [first]), ir.VectorType(ir.DoubleType(), width).as_pointer())
 
@@ -71,7 +71,7 @@ def _width(width: int) -> tuple[Callable[..., Any], Callable[..., Any], Callable
     def splat(number: float) -> Any:
         return np.full(width, float(number))
 
-    # Numbers that follow each other in memory: whether an array's do, its type does not always tell.
+    # The array must be contiguous, which its type does not always tell.
     _typed(load, lambda array, first: VECTORS[width])
     _typed(store, lambda array, first, vector: types.none)
     _typed(splat, lambda number: VECTORS[width])
@@ -164,7 +164,7 @@ for _half, _first in ((lower_half, 0), (upper_half, 4)):
 
 
 def joined(lower: Any, upper: Any) -> Any:
-    """Return eight lanes of twice four."""
+    """Return two vectors of four lanes as one of eight."""
     return np.concatenate([lower, upper])
 
 
@@ -204,7 +204,7 @@ def cube_roots(vector: Any) -> Any:
 
 
 _typed(cube_roots, lambda vector: vector)
-# The high halves of a double's bits over three, plus this, are those of its cube root but for 5 % (W. Kahan and
+# The high half of a double's bits divided by three, plus this, is its cube root's high half to 5 % (W. Kahan and
 # K. C. Ng's approximation, in the C library of FreeBSD: s_cbrt.c).
 _THIRD_OF_BIAS = 715094163
 
@@ -235,7 +235,7 @@ def where_less(one: Any, other: Any, chosen: Any, otherwise: Any) -> Any:
 
 
 def _wider(*kinds: Any) -> Any:
-    """Type of the result of numbers and vectors together."""
+    """Return the type of the result of numbers and vectors together."""
     return next((kind for kind in kinds if isinstance(kind, Vector)), types.float64)
 
 

@@ -75,7 +75,7 @@ def note_latch_torque(joint, joint_state, angle, rate):
 
 @kernel
 def release_stop(joint, joint_state, angle, rate):
-    """Book that a stop which is engaged has opened, if it has."""
+    """Disengage an engaged stop if it has opened."""
     if joint_state.held or (joint_state.latched and joint.stop_gap == 0.0 and not joint.one_sided):
         return  # the two faces are one, on which the joint stays
     depth, sign = stop_depth(joint, joint_state, angle)
@@ -85,7 +85,7 @@ def release_stop(joint, joint_state, angle, rate):
 
 @kernel
 def next_release(state, end):
-    """Earliest time [s] up to `end` at which a hold-down lets go of its joint, else `end`."""
+    """Return the earliest time [s] up to `end` at which a hold-down lets go of its joint, else `end`."""
     for j in range(state.joints.size):
         if state.joints[j].held:
             end = min(end, state.joints[j].release_time)
@@ -94,7 +94,7 @@ def next_release(state, end):
 
 @kernel(inlined=False)
 def release_joints(model, state, motion):
-    """Let go of the joints whose time has come, with what their hold-downs store; whether there are any."""
+    """Let go of the joints whose time has come, and lose their hold-downs' energy; return whether there are any."""
     released = False
     for j in range(state.joints.size):
         joint_state = state.joints[j]
@@ -108,21 +108,21 @@ def release_joints(model, state, motion):
 
 @kernel
 def has_parted(joint_state, time, depth, rate):
-    """Whether the surfaces of a joint in contact have parted by `time` [s], with their depth [m] and its rate there."""
-    # One that has begun just now, on the very wall, may not end at once: time would stand still.
+    """Return whether surfaces in contact have parted by `time` [s], at a `depth` [m] and its `rate` [m/s]."""
+    # A contact that has begun just now, on the very wall, may not end at once: time would stand still.
     return depth <= 0.0 and rate < 0.0 and joint_state.contact_start < time
 
 
 @kernel
 def parting_time(start, end, start_depth, depth):
-    """Linear estimate of when surfaces parted inside the step from `start` to `end` [s]."""
+    """Return the linear estimate of when surfaces parted inside the step from `start` to `end` [s]."""
     share = start_depth / (start_depth - depth) if start_depth > 0.0 else 1.0
     return start + share * (end - start)
 
 
 @kernel
 def step_limit(state, settings):
-    """Greatest step [s] that the last error, the settings and the resolution of impacts under way allow."""
+    """Return the greatest step [s] that the last error, the settings and the resolution of impacts under way allow."""
     joint_states, time = state.joints, state.clock[0].time
     limit = min(state.clock[0].step_size, settings.max_step)
     for j in range(joint_states.size):
@@ -137,7 +137,7 @@ def step_limit(state, settings):
 
 @kernel
 def fail(state, status, joint, value):
-    """Note where and why a call stops."""
+    """Note where and why a call stops; return the status."""
     state.clock[0].failure_joint = joint
     state.clock[0].failure_value = value
     return status
@@ -145,7 +145,7 @@ def fail(state, status, joint, value):
 
 @kernel
 def check_joint(joint, state, j, depth, angle):
-    """Status of joint `j` with the depth of its contact [m] and its angle [rad]."""
+    """Check the depth of joint `j`'s contact [m] and its angle [rad]; return a status code."""
     if joint.kind == m.CLEARANCE and state.joints[j].in_contact and depth > joint.journal_radius:
         return fail(state, m.CONTACT_TOO_DEEP, j, depth)
     if joint.angle_limited and abs(angle - joint.middle) > 0.95 * math.pi:

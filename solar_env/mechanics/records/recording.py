@@ -20,13 +20,13 @@ class Recorder(NamedTuple):
 
     times: NDArray[np.float64]  # (samples,), ascending
     samples: NDArray[np.float64]  # (samples, columns), see `sample_columns`
-    contacts: NDArray[np.float64]  # (capacity, len(CONTACT_FIELDS)); capacity 0 keeps none
+    contacts: NDArray[np.float64]  # (capacity, len(CONTACT_FIELDS)); capacity 0 keeps no contacts
     filled: NDArray[np.int64]  # [samples taken, contacts kept]
     pause: NDArray[np.float64]  # (1,) the first accepted step that reaches this time [s] is the last of a call
 
 
 def sample_columns(model: Model, state: State) -> dict[str, slice]:
-    """Slices of a sample row: coordinates, velocities, loads by joint, stored energies, integrals."""
+    """Return the slices of a sample row: coordinates, velocities, loads by joint, stored energies, integrals."""
     n, joints = state.q.size, model.joints.size
     sizes = {
         "q": n,
@@ -55,21 +55,21 @@ def make_recorder(model: Model, state: State, times: NDArray[np.float64], contac
 
 
 def with_more_room(recorder: Recorder) -> Recorder:
-    """The recorder with room for twice as many contacts."""
+    """Return the recorder with room for twice as many contacts."""
     return recorder._replace(contacts=np.concatenate([recorder.contacts, np.zeros_like(recorder.contacts)]))
 
 
 @kernel
 def sample_due(recorder, time):
-    """Whether a requested sample time has been reached."""
+    """Return whether a requested sample time has been reached."""
     return recorder.filled[0] < recorder.times.size and recorder.times[recorder.filled[0]] <= time
 
 
 @kernel
 def pause_due(recorder, time, joints):
-    """Whether the caller is to be heard: at the time it asked for, and before the contacts run out of room.
+    """Return whether to pause for the caller: at the time it asked for, and before the contacts run out of room.
 
-    A call that pauses does not land on anything: the next one goes on to the same bits.
+    A pause shortens no step: the next call goes on to the same bits.
     """
     capacity = recorder.contacts.shape[0]
     return time >= recorder.pause[0] or (capacity > 0 and recorder.filled[1] + joints > capacity)

@@ -1,4 +1,4 @@
-"""Many mechanisms of one structure that advance together, on all cores, in one compiled call a thread."""
+"""Many mechanisms of one structure that advance together, on all cores, in one compiled call per thread."""
 
 import math
 import os
@@ -24,7 +24,7 @@ from solar_env.mechanics.running.simulation import STEPS_BETWEEN_LOOKS, STEPS_PE
 
 # Time that a further thread must save [s]: waking one takes about as long.
 _WORK_FOR_A_THREAD = 1e-4
-_FEWEST_STEPS_PER_CALL = 1100  # of a lane: more than the events at once that a call must see to give up
+_FEWEST_STEPS_PER_CALL = 1100  # of a lane: more than the events at once after which a call gives up
 
 
 class Batch:
@@ -32,14 +32,14 @@ class Batch:
 
     The threads take lane after lane from one queue, those that needed most steps the last time first, so that a few
     lanes full of impacts do not keep the others waiting. A lane's result does not depend on the others, nor on the
-    number of threads: it is that of its `Simulation` alone, bit for bit.
+    number of threads: it equals the result of its `Simulation` alone, bit for bit.
 
     Attributes:
         simulations: by lane; they can be read, saved, restored and advanced singly too.
         models, states: arrays of all lanes (`lanes.py`).
-        handles: of these two.
+        handles: handles of `models` and `states`.
         threads: most threads that advance lanes at the same time.
-        recorder: what `record` was given, or a larger one in its place.
+        recorder: the one given to `record`, or a larger one instead.
     """
 
     def __init__(self, simulations: list[Simulation], threads: int | None = None) -> None:
@@ -50,8 +50,8 @@ class Batch:
             threads: by default as many as there are processors for this process.
 
         Raises:
-            ValueError: if there are none, if the integrators differ, if the mechanisms differ in structure, or if
-                `threads` is not positive.
+            ValueError: if there are no simulations, if integrators or structures of mechanisms differ, or if `threads`
+                is not positive.
         """
         if not simulations:
             raise ValueError("a batch needs at least one simulation")
@@ -79,7 +79,7 @@ class Batch:
             self.replace(lane, simulation)
 
     def __getstate__(self) -> dict[str, object]:
-        """For copies and pickles: threads and the address in this process stay behind."""
+        """Leave threads and the address in this process out of copies and pickles."""
         return {name: value for name, value in vars(self).items() if name not in ("_threads", "address")}
 
     def __setstate__(self, values: dict[str, object]) -> None:
@@ -89,10 +89,10 @@ class Batch:
             simulation.move_to(lane_view(self.models, lane), lane_view(self.states, lane))
 
     def replace(self, lane: int, simulation: Simulation) -> None:
-        """Put another simulation into a lane; that which was there goes on alone, with a copy of the arrays.
+        """Put another simulation into a lane; the one before goes on alone, with a copy of the arrays.
 
         Raises:
-            ValueError: if the integrator or the structure of the mechanism is another.
+            ValueError: if the integrator or the structure of the mechanism differs.
         """
         if simulation.integrator != self.integrator:
             raise ValueError(f"the batch integrates with {self.integrator}, not with {simulation.integrator}")
@@ -123,7 +123,7 @@ class Batch:
 
         Args:
             lanes: (k,) indices.
-            end_times: (lanes of the batch,) [s]; those of the lanes named are used.
+            end_times: (lanes of the batch,) [s]; only the entries of `lanes` are used.
 
         Raises:
             SimulationError: if a lane cannot go on; a note names the lane. It stays at its last accepted step, the
@@ -140,7 +140,7 @@ class Batch:
             raise failures[lane]
 
     def attempt(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> dict[int, SimulationError]:
-        """`advance` that hands back failures: lane -> why it cannot go on, by lane; mostly there are none."""
+        """Advance some lanes; return failures: lane -> why it cannot go on; mostly empty."""
         return self.run(advance_lanes, lanes, end_times)
 
     @cached_property
@@ -152,8 +152,8 @@ class Batch:
         """Run a kernel over some lanes (k,) as `attempt` runs `advance_lanes`, with the same result.
 
         The kernel takes the arguments of `advance_lanes` up to `statuses`, then `further` ones. Every lane is DONE
-        beforehand; the kernel is called again for those that it leaves with TOO_MANY_STEPS, as it does too where the
-        record of contacts is full.
+        beforehand; the kernel is called again for lanes that it leaves at TOO_MANY_STEPS, or at PAUSED with a full
+        record of contacts.
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")] if lanes.size > 1 else lanes
         left, clock = self.integrator.max_steps, self.states.clock
@@ -188,7 +188,7 @@ class Batch:
         try:
             kernel(*self._arguments(0, queue), *further)
         finally:
-            # Also on Ctrl-C: they are still at work on the states.
+            # Also on Ctrl-C: the helpers are still at work on the states.
             if helpers:
                 wait(helpers)
         for helper in helpers:
@@ -196,7 +196,7 @@ class Batch:
         self._work_expected = threads * (time.perf_counter() - start)
 
     def _arguments(self, thread: int, queue: NDArray[np.int64]) -> tuple[Any, ...]:
-        """Arguments of `advance_lanes` up to the statuses."""
+        """Return the arguments of `advance_lanes` up to `statuses`."""
         return (
             *self.handles,
             self._settings,
@@ -228,5 +228,5 @@ class Batch:
 
 
 def available_processors() -> int:
-    """Number of processors that this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -7,31 +7,31 @@ Each text names a quantity, its value, and what to do, and is empty if all is we
 import warnings
 from typing import Any
 
-# Of the energy that a run turned over: what the books may fail to account for.
+# Share of the energy turned over in a run that the books may fail to account for.
 LARGEST_ENERGY_SHARE = 0.01
-# Of the largest force: what the multipliers may differ from the forces that hold the constraints.
+# Share of the largest force by which the multipliers may differ from the forces that hold the constraints.
 LARGEST_FORCE_SHARE = 0.1
-# What a modal panel's second order may leave out, over what it keeps.
+# Greatest ratio of stiffness or shortening that a modal panel's second order leaves out to the part that it keeps.
 LARGEST_MODAL_SHARE = 0.01
-# Of the squared frequency of a free beam's lowest mode: how much a spin raises it, over the squared spin.
+# Rise of the squared frequency of a free beam's lowest mode by a spin, divided by the squared spin.
 SPIN_STIFFENING = 2.05
-# What a contact law's exit over entry speed may differ from the coefficient of restitution that was asked for.
+# Greatest difference of a contact law's ratio of exit to entry speed from the restitution that was asked for.
 LARGEST_RESTITUTION_ERROR = 0.05
 
 
 class SimulationWarning(UserWarning):
-    """A run went on, but its result is less accurate than it looks; the message says which, by how much, what to do."""
+    """Warning that a result is less accurate than it looks; the message says which, by how much, what to do."""
 
 
 def warn(text: str) -> None:
-    """Give a warning; an empty text is none."""
+    """Warn with a text, unless it is empty."""
     if text:
-        # The line of the caller says nothing here: what is wrong is in the text.
+        # The line of the caller says nothing here: the text names the fault.
         warnings.warn(text, SimulationWarning, stacklevel=2)
 
 
 def shortcomings(run: Any) -> dict[str, str]:
-    """Texts by subject about a `Simulation` so far."""
+    """Return a text by subject about a `Simulation` so far, empty where all is well."""
     return {
         "energy": energy_shortcoming(run),
         "forces": force_shortcoming(run),
@@ -42,7 +42,7 @@ def shortcomings(run: Any) -> dict[str, str]:
 
 
 def energy_shortcoming(run: Any) -> str:
-    """Whether the energy book closes."""
+    """Return a warning if the energy book does not close, else an empty text."""
     residual, turnover = run.energy_book()
     if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:  # false for NaN
         return ""
@@ -54,7 +54,7 @@ def energy_shortcoming(run: Any) -> str:
 
 
 def range_shortcoming(run: Any) -> str:
-    """Whether modal panels bend or turn by more than their second order holds for."""
+    """Return a warning if modal panels bend or turn by more than their second order holds for, else an empty text."""
     slope, spin_ratio = run.formulation.modal_range(run.model, run.state)
     # The next term of the shortening of an arc, and the stiffness that the lowest mode gains from the inertia of the
     # turning frame.
@@ -73,7 +73,7 @@ def range_shortcoming(run: Any) -> str:
 
 
 def force_shortcoming(run: Any) -> str:
-    """Whether the multipliers of generalized-alpha are the forces that hold the constraints."""
+    """Return a warning if generalized-alpha's multipliers differ from the constraint forces, else an empty text."""
     if not run.integrator.settles_forces or run.state.clock["steps"][0] == 0:
         return ""
     defect, largest = run.constraint_force_defect()
@@ -87,7 +87,7 @@ def force_shortcoming(run: Any) -> str:
 
 
 def _impact_shortcoming(run: Any) -> str:
-    """Whether a fixed step resolves the latest impact of every joint."""
+    """Return a warning if a fixed step does not resolve the latest impact of every joint, else an empty text."""
     needed, durations = run.integrator.steps_needed_per_impact, run.state.joints["contact_duration"]
     struck = durations > 0.0
     if needed is None or not struck.any():
@@ -103,7 +103,7 @@ def _impact_shortcoming(run: Any) -> str:
 
 
 def _tolerance_shortcoming(run: Any) -> str:
-    """Whether a tolerance is too loose for single contacts to be trusted."""
+    """Return a warning if a tolerance is too loose for single contacts to be trusted, else an empty text."""
     rtol, loosest = run.integrator.rtol, run.integrator.loosest_in_contact
     if rtol is None or rtol <= loosest or not run.state.joints["contact_starts"].any():
         return ""
@@ -114,7 +114,7 @@ def _tolerance_shortcoming(run: Any) -> str:
 
 
 def restitution_text(law: str, asked: float, given: float) -> str:
-    """Whether a contact law gives the coefficient of restitution that was asked for.
+    """Return a warning if a contact law does not give the coefficient of restitution asked for, else an empty text.
 
     The text is rounded, so that Python shows it once for values that are nearly the same.
     """

@@ -71,7 +71,7 @@ _CAUSES = {
 
 
 def failure(status: int, clock: Any) -> SimulationError:
-    """The error that belongs to a kernel's status code other than DONE and PAUSED, from the clock of the state."""
+    """Return the error for a kernel's status code other than DONE and PAUSED, from the clock of the state."""
     (reason, text), time = _CAUSES[status], float(clock["time"])
     cause = text.format(joint=int(clock["failure_joint"]) + 1, value=float(clock["failure_value"]))
     return SimulationError(f"at t = {time:.9g} s {cause}", time, reason)

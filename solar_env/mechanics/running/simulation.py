@@ -26,9 +26,9 @@ from solar_env.mechanics.running.errors import SimulationError, failure
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table, energy_flows
 from solar_env.support.values import check_positive
 
-# Of a compiled call, whose end is the longest that Ctrl-C waits: some tenths of a second at most.
+# Steps of a compiled call; Ctrl-C waits for the end of the call: some tenths of a second at most.
 STEPS_PER_CALL = 5000
-# Between looks at the accuracy of a run that goes on call by call: a look takes as long as some hundred steps.
+# Steps between looks at the accuracy of a run that goes on call by call: a look takes as long as some hundred steps.
 STEPS_BETWEEN_LOOKS = 10_000
 _MOST_SAMPLES = 10_000_000
 _CONTACTS_PER_DRAIN, _PROGRESS_CALLS = 4096, 20
@@ -50,8 +50,8 @@ class Simulation:
         """Compile `mechanism` and check that its initial state meets the constraints.
 
         Raises:
-            ValueError: if positions or velocities violate a constraint, if the integrator is none, or if it does not
-                take a part of the mechanism.
+            ValueError: if positions or velocities violate a constraint, if the integrator is not one of `settings`, or
+                does not take a part of the mechanism.
         """
         self.integrator: Integrator = RungeKutta() if integrator is None else integrator
         method = method_of(self.integrator)
@@ -99,7 +99,7 @@ class Simulation:
             )
 
     def __getstate__(self) -> dict[str, object]:
-        """For copies and pickles: without arrays that share their memory with the state; those of a copy would not."""
+        """Leave arrays that share memory with the state out of copies and pickles, in which they would not share it."""
         return {name: value for name, value in vars(self).items() if name != "_lane"}
 
     @property
@@ -113,7 +113,7 @@ class Simulation:
         return float(self.state.clock["time"][0])
 
     def snapshot(self) -> StateArrays:
-        """An independent copy of the state, which can be pickled."""
+        """Return an independent copy of the state, which can be pickled."""
         return copied(self.state)
 
     def restore(self, snapshot: StateArrays) -> None:
@@ -178,8 +178,8 @@ class Simulation:
             self._tell("forces", force_shortcoming(self))
 
     def failure(self, status: int) -> SimulationError:
-        """The error of a status code, other than DONE, with which a kernel has left this state."""
-        # It may be why.
+        """Return the error of a status code, other than DONE, with which a kernel has left this state."""
+        # The range of modal panels may be the cause.
         self._tell("range", range_shortcoming(self))
         return failure(status, self.state.clock[0])
 
@@ -203,7 +203,7 @@ class Simulation:
 
     @cached_property
     def _lane(self) -> tuple[Handle, Handle, dict[str, Handle]]:
-        """Model and state as those of a single lane, and scratch arrays by the name of a method."""
+        """Handles of model and state as a single lane, and of scratch arrays by the name of a method."""
         return Handle(with_lane_axis(self.model)), Handle(with_lane_axis(self.state)), {}
 
     def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:
@@ -230,26 +230,26 @@ class Simulation:
         return int(status[0])
 
     def joint_loads(self) -> NDArray[np.float64]:
-        """(joints, columns) table of angles, rates, forces and torques now; columns are named in `arrays.columns`."""
+        """Return the table (joints, columns) of angles, rates, forces and torques now, see `arrays.columns`."""
         return self.formulation.joint_loads(self.model, self.state)
 
     def stored_energies(self) -> NDArray[np.float64]:
-        """(ENERGIES,) stored energies now [J], in the order of `model.ENERGY_NAMES`."""
+        """Return the (ENERGIES,) stored energies now [J], in the order of `model.ENERGY_NAMES`."""
         return self.formulation.stored_energies(self.model, self.state)
 
     def momenta(self) -> NDArray[np.float64]:
-        """(3,) linear momentum [N s] and angular momentum about the origin [N m s] of the bodies that move."""
+        """Return the momenta (3,) of the moving bodies: linear [N s], and angular about the origin [N m s]."""
         return self.formulation.momenta(self.model, self.state)
 
     def energy_residual(self) -> float:
-        """Energy now that the books do not account for [J]."""
+        """Return the energy now that the books do not account for [J]."""
         return self.energy_book()[0]
 
     def energy_book(self) -> tuple[float, float]:
-        """Energy now that the books do not account for, and the energy that the run turned over so far [J].
+        """Return the energy now that the books do not account for, and the energy that the run turned over so far [J].
 
-        The latter is what was stored at the start, or what is stored now and was lost; weight counts with its work over
-        the longest body, so that a pendulum which rests for a moment has turned some over too.
+        The latter is the greater of the energy stored at the start and the energy stored now plus lost. The greatest
+        weight's work along the longest body is added, so that a pendulum at rest for a moment counts, too.
         """
         put_in, lost = (sum(flows.values()) for flows in energy_flows(self.state.integrals))
         stored = self.stored_energies()
@@ -262,17 +262,17 @@ class Simulation:
         )
 
     def constraint_force_defect(self) -> tuple[float, float]:
-        """Greatest difference of a multiplier from the one that holds its constraint, and the greatest force [N].
+        """Return the greatest error of multipliers against those that hold the constraints, and the greatest force [N].
 
-        The greatest force is at least the one that turns over the run's energy within the longest body, lest rounding
-        be measured by rounding.
+        The greatest force is at least the run's energy turnover divided by the longest body's length: otherwise
+        rounding would be measured by rounding.
         """
         defect, largest = self.formulation.constraint_force_defect(self.model, self.state)
         return defect, max(largest, float(self.energy_book()[1] / self.model.length_scale))
 
 
 def sample_times(duration: float, output_step: float) -> NDArray[np.float64]:
-    """Times [s] every `output_step` [s] from 0, and at the end of `duration` [s].
+    """Return the times [s] every `output_step` [s] from 0, and at the end of `duration` [s].
 
     Raises:
         ValueError: if one of them is not positive and finite, or the samples are too many.
@@ -297,10 +297,10 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     metadata: Mapping[str, object] | None = None,
 ) -> Trajectory:
-    """Simulate a mechanism from rest of its clock for `duration` and keep samples every `output_step`.
+    """Simulate a mechanism from t = 0 for `duration` and keep samples every `output_step`.
 
     Args:
-        mechanism: what moves.
+        mechanism: mechanism to simulate.
         duration: [s].
         integrator: defaults to `RungeKutta`.
         output_step: distance of the samples [s]; independent of the integration step.

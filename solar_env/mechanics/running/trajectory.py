@@ -42,13 +42,13 @@ class Trajectory:
         eccentricity: (nt, nj, 2) journal centre minus bearing centre; zero for ideal joints.
         penetration: (nt, nj) eccentricity minus clearance; negative is a gap.
         normal_force, tangential_force: (nt, nj) contact force on the journal, or the magnitude of an ideal joint's
-            reaction and zero. Samples inside linearly implicit steps are those of their interpolant, in which a journal
-            that leans on its bearing with 0.2 N may seem to with up to 10: after changes of the motor torque, in 0.02 %
-            of the time of quiet deployments; those inside steps of modal-radau follow the step's polynomial. Peak
-            forces and integrals are free of that.
+            reaction and zero. Samples inside linearly implicit steps follow their interpolant, in which a journal
+            that leans on its bearing with 0.2 N may seem to with up to 10 N: after changes of the motor torque, in
+            0.02 % of the time of quiet deployments. Samples inside steps of modal-radau follow the step's polynomial.
+            Peak forces and integrals are free of that error.
         joint_force: (nt, nj, 2) force on the outboard body.
         spring_torque, cable_torque, latch_torque, motor_torque, harness_torque, damping_torque, hinge_friction_torque:
-            (nt, nj) on the joint angle. The latch torque is that of all stops.
+            (nt, nj) on the joint angle. The latch torque is the torque of all stops.
         energies: name -> (nt,); stored: kinetic, spring, cable, latch, contact, elastic, harness, gravity (of all
             constant forces); put in: motor_work, cable_work (zero for a loop whose torque ratio is its wheel ratio),
             external_work (of drives and load torques); lost: contact_dissipation, friction_dissipation,
@@ -59,7 +59,7 @@ class Trajectory:
         contacts: structured array of all contacts in the order of their ends; those still open come last, with
             end_s = nan.
         latch_times: (nj,) nan if not latched.
-        latch_rates: (nj,) rates of the joint angles then [rad/s]; nan if not latched.
+        latch_rates: (nj,) rates of the joint angles at the latching [rad/s]; nan if not latched.
         peak_latch_torque: (nj,) greatest torque of the latch, or of the stop at the lock angle [N m], over the ends of
             all accepted steps.
         peak_force, postlock_peak_force: (nj,) over all accepted steps; post-lock counts from the first latching. With
@@ -119,8 +119,8 @@ class Trajectory:
     def energy_put_in(self) -> float:
         """Energy stored at t = 0 in springs, cables and motion, plus what motor, cable, drives and loads added [J].
 
-        What they took out in the end does not count. The store of a tabulated torque, which is 0 at first, is as large
-        as what it gave.
+        Energy that they took out in the end does not count. The store of a tabulated torque, which is 0 at first, is as
+        large as the energy that it gave.
         """
         stored = sum(float(self.energies[name][0] - min(self.energies[name].min(), 0.0)) for name in _STORED)
         return stored + sum(max(float(self.energies[name][-1]), 0.0) for name in _PUT_IN)
@@ -136,7 +136,7 @@ class Trajectory:
         return np.maximum(self.wear_journal.max(axis=1), self.wear_bearing.max(axis=1))
 
     def summary(self) -> dict[str, object]:
-        """Figures of the whole run as plain Python values, ready for JSON; nan becomes None."""
+        """Return the figures of the whole run as plain Python values, ready for JSON; nan becomes None."""
 
         def plain(values: NDArray[Any]) -> list[Any]:
             return [None if isinstance(x, float) and math.isnan(x) else x for x in values.tolist()]
@@ -159,7 +159,7 @@ class Trajectory:
             "theta_end_rad": plain(self.angles[-1]),
             "energy_residual_J": self.energy_residual,
             "energy_put_in_J": self.energy_put_in,
-            # Of a cable loop whose torque ratio is not its wheel ratio: what it destroys is negative.
+            # Of a cable loop whose torque ratio is not its wheel ratio: energy that it destroys is negative.
             "cable_work_J": float(self.energies["cable_work"][-1]) or None,
             **{name: self.metadata.get(name) for name in _COSTS_AND_LIMITS},
         }
@@ -212,7 +212,7 @@ _BY_JOINT = (
 
 
 def _check(values: dict[str, Any]) -> None:
-    """Refuse entries whose types or shapes are not those of a trajectory."""
+    """Refuse entries whose types or shapes do not fit a trajectory."""
     if not isinstance(values["metadata"], dict):
         raise ValueError("its metadata are no mapping")
     energies, alone = values["energies"], {"metadata", "energies", "contacts"}
@@ -238,7 +238,7 @@ def _check(values: dict[str, Any]) -> None:
 
 
 def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Energy put in and energy lost since t = 0 [J], by the names of `Trajectory`, from integrals (..., columns)."""
+    """Return the energies [J] put in and lost since t = 0, by names of `Trajectory`, from integrals (..., columns)."""
     totals = m.joint_integrals(integrals).sum(axis=-2)
     by_torques: list[dict[str, Any]] = [
         {law.book: totals[..., law.integral] for law in columns.TORQUES if law.book and law.lost == lost}
@@ -314,7 +314,7 @@ def assemble(
 
 
 def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np.void]:
-    """Contacts as `contact_record`: those that have ended, rows of the recorder's queue, then those still open."""
+    """Return a `contact_record` array: ended contacts (`closed`, rows of the recorder), then those still open."""
     rows = [tuple(row) for row in closed]
     for j, joint_state in enumerate(state.joints):
         if joint_state["in_contact"]:
@@ -334,7 +334,7 @@ def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np
 
 
 def _limits_of_the_laws(joints: Any, contacts: Any, normal: Array, tangential: Array) -> dict[str, Any]:
-    """How often contact and friction left the range in which their laws mean something."""
+    """Return how often contact and friction left the range in which their laws mean something."""
     loose = joints["kind"] == m.CLEARANCE
     pressed = normal[:, loose] > 0.0
     coulomb = joints["friction_coefficient"][loose] * normal[:, loose]

@@ -18,11 +18,11 @@ class Motion:
         time: (nt,) ascending [s].
         body: (nt, 4, 2) corners of the main body, in order round it [m].
         panels: a polyline (nt, k, 2) for each panel, from its inner hinge to its tip [m].
-        eccentricity: (nt, nj, 2) journal centre minus bearing centre, over the clearance; zero for ideal joints.
+        eccentricity: (nt, nj, 2) journal centre minus bearing centre, per clearance; zero for ideal joints.
         clearance: (nj,) [m].
         force: (nt, nj) contact force [N].
         latch_times: (nj,) [s], nan if not latched.
-        torque: (nt, motors) of the motors [N m].
+        torque: (nt, motors) torques of the motors [N m].
     """
 
     name: str
@@ -41,8 +41,8 @@ class Line:
     """A line of a chart.
 
     Attributes:
-        name: in the legend.
-        x, y: (n,); of charts round a bearing x is an angle [deg].
+        name: name in the legend.
+        x, y: (n,); in charts round a bearing x is an angle [deg].
         colour: "#rrggbb".
         dash: "solid", "dash" or "dot".
     """
@@ -59,13 +59,13 @@ class Chart:
     """Lines in one pair of axes.
 
     Attributes:
-        title: what it shows.
-        x, y: quantities with units.
-        lines: what is drawn.
+        title: quantity that the chart shows.
+        x, y: names of the axes with units.
+        lines: lines of the chart.
         over_time: whether x is the time [s] that the slider moves.
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
-        polar: whether y, of which `y` is the unit alone, is drawn round a circle.
-        limits: of y; by default those of its lines.
+        polar: whether y is drawn round a circle; then `y` is the unit alone.
+        limits: limits of y; by default the lines set them.
         bars: names of the places 0, 1, 2, ... on the vertical axis, from the top, where lines are drawn as bars.
     """
 
@@ -92,13 +92,13 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """A page.
+    """A page with motions, charts and tables.
 
     Attributes:
-        title: what the page is about.
-        answer: sentences that stand first.
-        motions: shown side by side, moved by one slider.
-        charts, tables: below.
+        title: subject of the page.
+        answer: sentences at the top.
+        motions: motions side by side, moved by one slider.
+        charts, tables: charts and tables below the motions.
         notes: last lines, such as the command and the versions that made the page.
     """
 

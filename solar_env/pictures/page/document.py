@@ -14,9 +14,9 @@ from solar_env.pictures.style import COLOURS
 from solar_env.support.files import write_text
 
 _FOLDER = Path(__file__).parent
-_DIGITS = 6  # significant, of every number in the page
-_PLACES = 4  # decimal, of coordinates in metres, which are drawn in steps of some millimetres
-# The browser refuses whatever would come from elsewhere.
+_DIGITS = 6  # significant digits of every number in the page
+_PLACES = 4  # decimal places of coordinates in metres, which are drawn in steps of some millimetres
+# The browser refuses all content from elsewhere.
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
 
@@ -30,7 +30,7 @@ def write_page(page: Page, path: Path) -> None:
 
 
 def page_text(page: Page) -> str:
-    """The file's text."""
+    """Return the file's text."""
     from plotly.offline import get_plotlyjs
 
     data = {
@@ -62,19 +62,19 @@ def page_text(page: Page) -> str:
 
 
 def _packed(text: str) -> str:
-    """A text as gzip in base64."""
+    """Return a text as gzip in base64."""
     return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
 def _numbers(values: ArrayLike) -> object:
-    """Nested lists of numbers with a few digits; what is not finite becomes None."""
+    """Return values as nested lists of numbers with a few digits; numbers that are not finite become None."""
     array = np.asarray(values, dtype=float)
     flat = [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in array.ravel().tolist()]
     return np.array(flat, dtype=object).reshape(array.shape).tolist()
 
 
 def _motion(motion: Motion) -> dict[str, object]:
-    """A motion, with polylines as x, y, x, y, ..."""
+    """Return a motion for the page's data, with polylines as x, y, x, y, ..."""
     body, *panels = (
         _numbers(np.round(line.reshape(len(motion.time), -1), _PLACES)) for line in (motion.body, *motion.panels)
     )

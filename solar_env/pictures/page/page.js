@@ -138,7 +138,7 @@ class ChartView {
   plotLines() {
     const chart = this.chart;
     const traces = chart.lines.map((line) => {
-      const look = { mode: "lines", line: { color: line.colour, dash: line.dash, width: chart.bars.length ? 12 : 1.4 } };
+      const look = { mode: "lines", line: chart.bars.length ? { color: line.colour, width: line.dash === "solid" ? 12 : 4 } : { color: line.colour, dash: line.dash, width: 1.4 } };
       return chart.polar ? { type: "scatterpolar", name: line.name, theta: line.x, r: line.y, ...look }
         : { type: "scatter", name: line.name, x: line.x, y: line.y, ...look };
     });

@@ -14,16 +14,16 @@ _RESAMPLES, _SEED = 2000, 0
 
 
 def resampled_means(values: Array) -> Array:
-    """(resamples, ...) means of (n, ...) values; of all values with the same n the same members are drawn."""
+    """Return the (resamples, ...) means of (n, ...) values; for the same n the same members are always drawn."""
     count = len(values)
     chosen = np.random.default_rng(_SEED).multinomial(count, np.full(count, 1.0 / count), size=_RESAMPLES)
     return np.asarray(np.tensordot(chosen / count, values, axes=1))
 
 
 def mean_band(values: Array) -> tuple[float, float, float]:
-    """Mean of (n,) values and its 95 % bootstrap interval: percentiles.
+    """Return the mean of (n,) values and the ends of its 95 % percentile bootstrap interval.
 
-    The same values give the same band. nan for all three if there is no value or one is nan.
+    The same values give the same band. All three are nan if there is no value or if one is nan.
     """
     if len(values) == 0 or np.isnan(values).any():
         return math.nan, math.nan, math.nan

@@ -19,17 +19,17 @@ from solar_env.pictures.style import COLOURS, FORCE_DECADES, controller_looks
 
 Array = NDArray[np.float64]
 Samples = NDArray[np.intp]
-Reading = Callable[[Trajectory], tuple[Array, Array]]  # (n,) of the horizontal axis, (n, lines) of the vertical one
+Reading = Callable[[Trajectory], tuple[Array, Array]]  # (n,) horizontal values, (n, lines) vertical values
 
-# Between two moments shown before the first latching, and from shortly before it on [s].
+# Times between two shown samples, early and late [s]; late samples begin a margin before the first latching [s].
 _SLOW, _FAST, _MARGIN = 0.05, 0.005, 0.1
-_WINDOW = 0.2  # over which a line of several deployments takes its greatest [s]
-_FEMTOMETRES = 1e15  # in a metre
+_WINDOW = 0.2  # window [s] whose greatest value a line of several deployments shows
+_FEMTOMETRES = 1e15  # femtometres per metre
 _DASHES = ("solid", "dash", "dot")
 
 
 def shown_samples(trajectory: Trajectory) -> Samples:
-    """Indices of the samples that a page shows: a few before the first latching, many from there on."""
+    """Return the indices of the samples that a page shows: few until just before the first latching, many after."""
     latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
     begin = latched.min() - _MARGIN if len(latched) else np.inf
     step = np.where(trajectory.time < begin, _SLOW, _FAST)
@@ -38,9 +38,9 @@ def shown_samples(trajectory: Trajectory) -> Samples:
 
 
 def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
-    """(kept, joints) greatest contact force [N] from each sample to the next of those shown.
+    """Return the (kept, joints) greatest contact force [N] from each shown sample to the next one.
 
-    Every contact's peak counts, at the greatest of the samples within it.
+    The peak of every contact counts, at the sample of greatest force within the contact.
     """
     forces, contacts = trajectory.normal_force.copy(), trajectory.contacts
     begins = np.maximum(np.searchsorted(trajectory.time, contacts["start_s"]) - 1, 0)
@@ -52,7 +52,7 @@ def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
 
 
 def motion_of(trajectory: Trajectory, name: str) -> Motion:
-    """The array in motion; the trajectory's metadata tell model, integrator and parameters."""
+    """Make a page's motion of the array; the trajectory's metadata tell model, integrator and parameters."""
     kept = shown_samples(trajectory)
     body, panels = _lines(trajectory, kept)
     clearance = trajectory.clearance
@@ -70,7 +70,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
 
 
 def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
-    """Corners of the main body (kept, 4, 2) and axes of the panels, each (kept, points, 2) [m], at some samples."""
+    """Return the main body's corners (kept, 4, 2) and each panel's axis (kept, points, 2) at the kept samples [m]."""
     parameters, model = compiled(trajectory)
     bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
     axes = [centreline(model, trajectory.coordinates[kept], body, 1) for body in bodies]
@@ -78,13 +78,13 @@ def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
 
 
 def _motors(trajectory: Trajectory) -> Array:
-    """(nt, motors) torques of the motors that have turned [N m]; of the root's, if none has."""
+    """Return the (nt, motors) torques [N m] of the motors that acted, or of the root's motor if no motor did."""
     turned = np.flatnonzero(trajectory.motor_torque.any(axis=0))
     return trajectory.motor_torque[:, turned if len(turned) else [0]]
 
 
 def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
-    """The scenes of a film of a trajectory, every `interval` [s], with the peaks of the forces until then."""
+    """Make the scenes of a film of a trajectory, one every `interval` [s], each with the peak forces until then."""
     times = np.arange(0.0, trajectory.time[-1] + 0.5 * interval, interval)
     kept = np.minimum(np.searchsorted(trajectory.time, times - 1e-9), len(trajectory.time) - 1)
     body, panels = _lines(trajectory, kept)
@@ -111,7 +111,7 @@ def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
 
 
 def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -> Table:
-    """Every parameter of an array with its unit, folded, and between what it is drawn for every run, if any is."""
+    """Make a folded table of every parameter with its unit and, if any is drawn, the ranges of those drawn."""
     known, drawn = units(), ranges or {}
     columns = ("parameter", "value", "unit", *(("drawn between",) if drawn else ()))
     rows = []
@@ -122,7 +122,7 @@ def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -
 
 
 def _entered(value: object) -> str:
-    """A value of a parameter as one would write it."""
+    """Format a parameter's value as a user would write it."""
     if isinstance(value, (list, tuple)):
         return f"({', '.join(map(_entered, value))})"
     if value is None or isinstance(value, bool):
@@ -131,11 +131,11 @@ def _entered(value: object) -> str:
 
 
 def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
-    """Angles, forces, gaps, torques, energies and wear of deployments by their names.
+    """Make the charts of the angles, forces, gaps, torques, energies and wear of deployments, given by name.
 
-    A single deployment has a colour for each joint; of several each has that of its controller, and each joint a dash.
-    Forces and gaps, which jump from impact to impact, would hide each other there: of several deployments each has one
-    line, the greatest of all joints, window by window.
+    A single deployment has a colour for each joint. Several have a colour for each controller, a dash for each joint.
+    Forces and gaps jump from impact to impact, and their lines would hide each other: each of several deployments has
+    only one such line, the greatest value of all joints, window by window.
     """
     single = len(trajectories) == 1
 
@@ -179,7 +179,7 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
 
 
 def _shown(read: Callable[[Trajectory, Samples], Array]) -> Reading:
-    """Read at the samples that a page shows."""
+    """Make a reading at the samples that a page shows."""
 
     def reading(trajectory: Trajectory) -> tuple[Array, Array]:
         kept = shown_samples(trajectory)
@@ -193,33 +193,33 @@ def _greatest(read: Callable[[Trajectory], Array]) -> Reading:
 
 
 def greatest_in_windows(time: Array, values: Array) -> tuple[Array, Array]:
-    """The beginnings of windows of time, and (windows, 1) the greatest of (n, joints) values in each, at any joint."""
+    """Return the starts of time windows, and the (windows, 1) greatest of (n, joints) values in each, at any joint."""
     starts = np.flatnonzero(np.diff(np.floor(time / _WINDOW + 1e-6), prepend=-1.0))
     return time[starts], np.maximum.reduceat(values.max(axis=1, keepdims=True), starts)
 
 
 def _energies(trajectory: Trajectory, kept: Samples) -> Array:
-    """(kept, 4) kinetic energy, that of the springs, all that is stored, and what is lost [J]."""
+    """Return the (kept, 4) energies [J]: kinetic, of the springs, all stored, and lost."""
     energies = trajectory.energies
     stored, lost = (np.sum([energies[part] for part in parts], axis=0) for parts in (STORED, DISSIPATED))
     return np.column_stack([energies["kinetic"], energies["spring"], stored, lost])[kept]
 
 
 def _worn(trajectory: Trajectory) -> tuple[Array, Array]:
-    """Depth [fm] of the bearings' wear round them, in their bodies' frames."""
+    """Return angles [deg] round the bearings, in their bodies' frames, and the bearings' wear depths [fm] there."""
     angles = np.linspace(0.0, 360.0, trajectory.wear_bearing.shape[1], endpoint=False)
     return angles, _FEMTOMETRES * trajectory.wear_bearing.T
 
 
 def _on_scale_of_forces(chart: Chart) -> Chart:
-    """Forces on the scale of the frames: soft landings show beside hard ones, and zero a little below the axis."""
+    """Put a chart of forces on the frames' scale: soft landings show beside hard ones, and zero just below the axis."""
     low, high = (10.0**decade for decade in FORCE_DECADES)
     limits = low, max(high, *(1.1 * float(line.y.max()) for line in chart.lines))
     lines = [replace(line, y=np.maximum(line.y, 0.63 * low)) for line in chart.lines]
     return replace(chart, lines=lines, logarithmic="y", limits=limits)
 
 
-# Chart -> its title, and what stands in it: values by joint, or one; of several deployments the greatest of each.
+# Chart -> title, and the title's values: by joint, or a single one; of each of several deployments the greatest.
 _TITLES: Mapping[str, tuple[str, Callable[[Trajectory], Array]]] = {
     "angles": ("Joints latch after {} s", lambda t: t.latch_times),
     "forces": ("Contact forces after latching peak at {} N", lambda t: t.postlock_peak_force),

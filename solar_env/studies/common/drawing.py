@@ -19,12 +19,12 @@ _ENTRY = 1.9  # width of an entry of the legend [inch]
 
 
 def make_figure(rows: int, columns: int, size: tuple[float, float], entries: int) -> tuple[Figure, NDArray[Any]]:
-    """A figure with (rows, columns) axes, and room for a title above and a legend below.
+    """Make a figure with (rows, columns) axes, and room for a title above and a legend below.
 
     Args:
-        rows, columns: of axes.
-        size: of one axes with its labels [inch].
-        entries: of the legend.
+        rows, columns: numbers of rows and columns of axes.
+        size: size of one axes with its labels [inch].
+        entries: number of the legend's entries.
     """
     width = size[0] * columns
     with mpl.rc_context(STYLE):
@@ -34,9 +34,9 @@ def make_figure(rows: int, columns: int, size: tuple[float, float], entries: int
 
 
 def use_decades(axis: Axes, which: str) -> None:
-    """Label a logarithmic axis, "x" or "y", at decades, and within where they are few.
+    """Label a logarithmic axis, "x" or "y", at decades, and within decades where these are few.
 
-    Exponents set small could not be read where a page shows the figure at half its size.
+    Raised exponents would be too small to read where a page shows the figure at half its size.
     """
     scale, limits = (axis.xaxis, axis.get_xlim()) if which == "x" else (axis.yaxis, axis.get_ylim())
     low, high = np.log10(limits)
@@ -47,7 +47,7 @@ def use_decades(axis: Axes, which: str) -> None:
 
 
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:
-    """Write a figure of `make_figure` with its conclusion as title, and below a note and a legend of names.
+    """Write a figure of `make_figure`, its conclusion as the title above, a note and a legend of names below.
 
     The same tables give the same file.
     """
@@ -60,7 +60,7 @@ def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note
 
 
 def short(value: float) -> str:
-    """A number in five characters or so."""
+    """Format a number in about five characters."""
     if value == 0.0 or 0.01 <= abs(value) < 1000.0:
         return f"{value:.3g}"
     mantissa, exponent = f"{value:.0e}".split("e")

@@ -6,10 +6,10 @@ LARGEST_SHARE = 0.1
 
 
 def told(failures: Mapping[str, str], runs: int) -> str:
-    """One sentence that says which of `runs` runs failed and why, by their names; empty where none did.
+    """State in one sentence which of `runs` runs failed and why, by name; return an empty text if every run succeeded.
 
     Raises:
-        ValueError: if so many did that the others are a choice rather than a sample.
+        ValueError: if more than a tenth of the runs failed: the others are a choice rather than a sample.
     """
     if not failures:
         return ""

@@ -16,7 +16,7 @@ from solar_env.mechanics.running.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-# Of the runs of an ensemble: settings of the method, within this share of the nominal one.
+# In the runs of an ensemble the method's settings lie within this share of the nominal setting.
 SETTING_SHARE = 3e-3
 
 
@@ -27,12 +27,12 @@ class Scene:
     model: str  # the level as a word, see `ModelLevel`
     parameters: ArrayParameters
     duration: float  # s
-    sample_step: float  # distance of the sampled angles [s]
+    sample_step: float  # time between sampled angles [s]
     forces_kept: bool = False  # whether programs that sample peak contact forces must do so at every step
 
     @property
     def level(self) -> ModelLevel:
-        """The parts of the model's word."""
+        """The level that the model's word names."""
         return ModelLevel.of(self.model)
 
     @property
@@ -43,35 +43,35 @@ class Scene:
 
 
 def with_panels(model: str, panels: str) -> str:
-    """The word of a model whose flexible panels consist of `panels`, as "6 elements"; rigid ones do of nothing."""
+    """Return the word of a model whose panels, if flexible, consist of `panels`, such as "6 elements"."""
     level = ModelLevel.of(model)
     return f"{level.name}:{panels}" if level.flexible else level.name
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A run: nt samples, nj joints; nan where the program that made it does not say.
+    """Record of a run: nt samples, nj joints; nan where the program that made the run does not tell.
 
-    Totals (nj,) are what a run comes to after its first latching: "peak_force_N", the greatest contact force or, with
-    ideal joints, reaction; "sliding_work_J"; "impacts", their number; and "wear_depth_m", that of the whole run.
+    Totals (nj,) count from the first latching on: "peak_force_N", the greatest contact force or, with ideal joints,
+    the greatest reaction; "sliding_work_J"; and "impacts", their number. "wear_depth_m" counts the whole run.
     """
 
     time: Array  # (nt,) [s]
     angles: Array  # (nt, nj) [rad]
     latch_times: Array  # (nj,) [s], nan if not latched
-    wall_time: float  # of the integration alone, without compiling or assembling [s]
+    wall_time: float  # time of the integration alone, without compiling or assembling [s]
     steps: float = math.nan
-    evaluations: float = math.nan  # of the right-hand side or residual
+    evaluations: float = math.nan  # evaluations of the right-hand side or residual
     factorizations: float = math.nan
-    energy_residual: float = math.nan  # energy that the books do not account for, over the energy put in
+    energy_residual: float = math.nan  # unaccounted energy divided by the energy put in
     totals: dict[str, Array] = field(default_factory=dict)
 
 
 def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
-    """The array of a member of an ensemble: joints released at rates uniform within RELEASE_RATE of the nominal ones.
+    """Return the array of an ensemble's member: its release rates are uniform within RELEASE_RATE of the nominal rates.
 
-    Differences in the place of a hinge would not do: the lasting contact of the deployment wipes them out, and at the
-    latching all members would be alike. Member 0 is the nominal array.
+    Different places of a hinge would not do: the lasting contact of the deployment wipes the differences out, and all
+    members would be alike at the latching. Member 0 is the nominal array.
     """
     rates = RELEASE_RATE * _deviations(member, len(parameters.joints))
     nominal = parameters.for_each_joint("initial_rate")
@@ -79,12 +79,12 @@ def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
 
 
 def perturbed_setting(value: float, member: int) -> float:
-    """Tolerance or step of a member of an ensemble: uniform within SETTING_SHARE of the nominal, which member 0 has."""
+    """Return a member's tolerance or step, uniform within SETTING_SHARE of the nominal value, which member 0 has."""
     return value * (1.0 + SETTING_SHARE * float(_deviations(member, 1, stream=1)[0]))
 
 
 def _deviations(member: int, count: int, stream: int = 0) -> Array:
-    """(count,) numbers in [-1, 1], the same for the same member and stream; zero for member 0."""
+    """Draw (count,) numbers in [-1, 1], the same for the same member and stream; zeros for member 0."""
     return np.random.default_rng([member, stream]).uniform(-1.0, 1.0, count) * (member > 0)
 
 
@@ -94,7 +94,7 @@ class Level:
 
     Attributes:
         model: the level as a word, see `ModelLevel`.
-        tighter: what the tolerance of the integrator is divided by.
+        tighter: divisor of the integrator's tolerance.
     """
 
     model: str
@@ -107,7 +107,7 @@ class Level:
 
     @property
     def panels(self) -> ModelLevel:
-        """The word's parts."""
+        """The level that the word `model` names."""
         return ModelLevel.of(self.model)
 
     @property
@@ -116,7 +116,7 @@ class Level:
         return f"{self.panels.name}, {self.size}" if self.panels.flexible else self.panels.name
 
     def integrator(self, member: int = 0) -> RungeKutta:
-        """The integrator of a member of an ensemble."""
+        """Return the integrator of a member of an ensemble."""
         default = default_integrator(self.model)
         return replace(default, rtol=perturbed_setting(default.rtol, member) / self.tighter)
 
@@ -140,12 +140,12 @@ FINEST = Level("flexible-clearance:48 modes", tighter=10.0)
 
 
 def run_ours(scene: Scene, integrator: Integrator) -> Motion:
-    """A scene with one of our integrators.
+    """Simulate a scene with one of our integrators.
 
     Raises:
         SimulationError: if the run cannot go on.
     """
-    with warnings.catch_warnings():  # what the library warns of is measured here
+    with warnings.catch_warnings():  # the study measures the errors that the library warns of
         warnings.simplefilter("ignore", SimulationWarning)
         array = build(scene.parameters, scene.model)
         trajectory = simulate(array, scene.duration, integrator=integrator, output_step=scene.sample_step)
@@ -153,7 +153,7 @@ def run_ours(scene: Scene, integrator: Integrator) -> Motion:
 
 
 def from_trajectory(trajectory: Trajectory) -> Motion:
-    """Motion of a run of our simulator."""
+    """Make the motion of a run of our simulator."""
     latched = np.nanmin([*trajectory.latch_times, math.inf])
     late = trajectory.contacts[trajectory.contacts["start_s"] > latched]
     return Motion(
@@ -175,10 +175,10 @@ def from_trajectory(trajectory: Trajectory) -> Motion:
 
 
 def angle_error(motion: Motion, reference: Motion, until: float) -> float:
-    """Greatest difference of a joint angle [rad] at the common samples of a motion and its reference up to a time [s].
+    """Return the greatest difference [rad] of joint angles between a motion and its reference, up to `until` [s].
 
     Raises:
-        ValueError: if the samples lie at other times.
+        ValueError: if the samples of the two lie at different times.
     """
     if motion.time.shape != reference.time.shape or not np.allclose(motion.time, reference.time, rtol=0.0, atol=1e-9):
         raise ValueError("the samples of the two motions lie at different times")
@@ -187,7 +187,7 @@ def angle_error(motion: Motion, reference: Motion, until: float) -> float:
 
 
 def latch_error(motion: Motion, reference: Motion) -> float:
-    """Greatest difference of a latch time [s]; inf if a joint that should have latched has not, nan if none should."""
+    """Return the greatest error of the latch times [s]: inf if a latching is missing, nan if no joint should latch."""
     expected = np.isfinite(reference.latch_times)
     if not expected.any():
         return math.nan
@@ -196,7 +196,7 @@ def latch_error(motion: Motion, reference: Motion) -> float:
 
 
 def force_error(motion: Motion, reference: Motion) -> float:
-    """Greatest relative error of a joint's peak force after the first latching; nan where the reference has none."""
+    """Return the greatest relative error of a joint's post-latch peak force; nan if the reference has no such force."""
     right = reference.totals["peak_force_N"]
     errors = np.abs(motion.totals["peak_force_N"] / np.where(right > 0.0, right, math.nan) - 1.0)
     return math.nan if np.isnan(errors).all() else float(np.nanmax(errors))

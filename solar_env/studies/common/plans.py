@@ -1,4 +1,4 @@
-"""Plans of the charts: how much is measured, in full or in two minutes."""
+"""Plans of the charts: extent of the measurements, in full or in two minutes."""
 
 from dataclasses import dataclass, replace
 
@@ -15,12 +15,12 @@ FAST_PARAMETERS = replace(PARAMETERS, spring_stiffness=(2.5, 1.875), cable_prelo
 class Ensemble:
     """A level of the study of convergence, and the size of its ensemble."""
 
-    panels: str  # "6 elements" or "32 modes"; empty for rigid ones
+    panels: str  # "6 elements" or "32 modes"; empty for rigid panels
     members: int  # runs with clearance
-    tighter: float = 1.0  # what the default tolerance is divided by
+    tighter: float = 1.0  # divisor of the default tolerance
 
 
-# From the coarsest to the finest of each family.
+# Levels from the coarsest to the finest of each family.
 LEVELS = (
     Ensemble("", 48),
     *(Ensemble(f"{elements} elements", 16) for elements in (1, 2, 4, 6, 12, 24)),
@@ -41,18 +41,18 @@ class ChartPlan:
 
     models: tuple[str, ...] = MODELS
     parameters: ArrayParameters = PARAMETERS
-    panels: str = "6 elements"  # that flexible ones consist of, with methods that prescribe none
-    duration: float = 13.0  # of deployments [s]; beyond the latching
-    before_latch: float = 12.0  # up to which angles are compared [s]
-    settings: int | None = None  # how many of a method are measured, from the coarsest; None for all
-    repeats: int = 3  # of every measured time
+    panels: str = "6 elements"  # parts of flexible panels, where the method does not prescribe them
+    duration: float = 13.0  # duration of deployments [s]; beyond the latching
+    before_latch: float = 12.0  # time up to which angles are compared [s]
+    settings: int | None = None  # number of a method's settings measured, from the coarsest; None for all
+    repeats: int = 3  # repeats of every measured time
     ensemble_size: int = 16  # runs of an ensemble side by side, see `motion.perturbed`
-    ensemble_duration: float = 16.0  # of the deployments of the study of convergence [s]
-    levels: tuple[Ensemble, ...] = LEVELS  # of that study; the last of beams and of modes are the finest of each
-    side_duration: float = 30.0  # of the deployments that are timed side by side [s]
+    ensemble_duration: float = 16.0  # duration of the deployments in the study of convergence [s]
+    levels: tuple[Ensemble, ...] = LEVELS  # levels of that study; the last of beams and of modes are the finest
+    side_duration: float = 30.0  # duration of the deployments that are timed side by side [s]
 
     def deployment(self, model: str) -> Scene:
-        """The deployment of a model up to a moment after its latching."""
+        """Make the scene of a model's deployment, up to a moment after its latching."""
         return Scene(with_panels(model, self.panels), self.parameters, self.duration, self.before_latch / 120.0)
 
 

@@ -27,33 +27,33 @@ class Table:
     """Rows with the same columns, and their provenance.
 
     Attributes:
-        rows: from column name to cell; all with the same names in the same order.
-        provenance: what, with which settings, and on what machine.
+        rows: mappings from column name to cell; all have the same names in the same order.
+        provenance: command, settings, versions and machine.
     """
 
     rows: tuple[Mapping[str, Cell], ...]
     provenance: Mapping[str, str]
 
     def where(self, **cells: Cell) -> Table:
-        """The rows that have these cells."""
+        """Return the table of the rows that have these cells."""
         kept = (row for row in self.rows if all(row[name] == value for name, value in cells.items()))
         return Table(tuple(kept), self.provenance)
 
     def column(self, name: str) -> NDArray[np.float64]:
-        """(rows,) numbers of one column.
+        """Return the (rows,) numbers of one column.
 
         Raises:
-            ValueError: as `number`.
+            ValueError: as in `number`.
         """
         return np.array([number(row, name) for row in self.rows], dtype=float)
 
     def values(self, name: str) -> tuple[Cell, ...]:
-        """The different cells of a column, in the order of their first appearance."""
+        """Return the different cells of a column, in the order of their first appearance."""
         return tuple(dict.fromkeys(row[name] for row in self.rows))
 
 
 class _Read(dict[str, Cell]):
-    """A row of a file, or its provenance, that names the file where an entry is missing."""
+    """A row of a file, or the file's provenance; the error for a missing entry names the file."""
 
     def __init__(self, file: Path, cells: Iterable[tuple[str, Cell]] = ()) -> None:
         super().__init__(cells)
@@ -64,10 +64,10 @@ class _Read(dict[str, Cell]):
 
 
 def number(row: Mapping[str, Cell], name: str) -> float:
-    """A cell that is to be a number.
+    """Return a cell that must be a number.
 
     Raises:
-        ValueError: if it is none.
+        ValueError: if the cell is not a number.
     """
     cell = row[name]
     if not is_number(cell):
@@ -77,7 +77,7 @@ def number(row: Mapping[str, Cell], name: str) -> float:
 
 
 def provenance(command: str, **settings: object) -> dict[str, str]:
-    """Provenance of a table: the command, its settings, versions kind of machine; no names of users or hosts."""
+    """Return a table's provenance: command, settings, versions and kind of machine; no names of users or hosts."""
     return {
         "command": command,
         **{name: str(value) for name, value in settings.items()},
@@ -87,10 +87,10 @@ def provenance(command: str, **settings: object) -> dict[str, str]:
 
 
 def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping[str, str]) -> None:
-    """Write rows with the same columns as a CSV file, whose first lines, each `# name: value`, are its provenance.
+    """Write rows with the same columns as a CSV file; its first lines, each `# name: value`, are the provenance.
 
     Raises:
-        ValueError: if a row has other columns than the first.
+        ValueError: if a row has a column that the first row lacks.
     """
     text = io.StringIO()
     text.writelines(f"# {name}: {value}\n" for name, value in made_by.items())
@@ -102,11 +102,11 @@ def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping
 
 
 def read_table(path: Path) -> Table:
-    """Read what `write_table` wrote: cells that read as numbers are numbers.
+    """Read a table that `write_table` wrote; cells that look like numbers become numbers.
 
     Raises:
         OSError: if the file cannot be read.
-        ValueError: if it is damaged; or later, when it turns out to lack a column that is looked for.
+        ValueError: if the file is damaged; or later, when a column that it lacks is looked up.
     """
     made_by: dict[str, Any] = _Read(path)
     try:

@@ -1,4 +1,4 @@
-"""The runs of a study: all once, then all again, so that disturbances of the machine meet all alike."""
+"""Timing of a study's runs: all once, then all again, so that disturbances of the machine meet all alike."""
 
 import math
 import statistics
@@ -21,13 +21,13 @@ class Job:
 
     name: str
     solve: Callable[[], Motion]  # raises SimulationError if it cannot go on
-    repeats: int = 1  # how often it is timed
-    long_run: float = 10.0  # a run that takes longer is not repeated [s]
+    repeats: int = 1  # number of timings
+    long_run: float = 10.0  # time beyond which a run is not repeated [s]
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Repeats of one run: the motion of the first and the times of all [s], or why it could not go on."""
+    """Repeats of one run: the motion of the first and the times of all [s], or the reason of a failure."""
 
     motion: Motion | None = None
     walls: tuple[float, ...] = ()
@@ -39,15 +39,15 @@ class Measured:
         return statistics.median(self.walls) if self.walls else math.nan
 
     def times(self) -> Row:
-        """Number of the repeats, median, least and greatest time, as cells of a table."""
+        """Return the number of repeats and their median, least and greatest time, as cells of a table."""
         least, greatest = min(self.walls, default=math.nan), max(self.walls, default=math.nan)
         return {"repeats": len(self.walls), "wall_s": self.wall, "wall_min_s": least, "wall_max_s": greatest}
 
 
 def measure(jobs: Mapping[Key, Job], announce: Callable[[str], None] = lambda name: None) -> dict[Key, Measured]:
-    """Run every job once, announced by its name, then those to be repeated again, up to the number of repeats.
+    """Run every job once, announced by its name, then repeat the jobs, each up to its number of repeats.
 
-    Linear algebra gets one thread: for matrices this small a second one gains nothing, and waits for a busy processor.
+    Linear algebra gets one thread: for such small matrices a second one gains nothing, and waits for a busy processor.
     """
     results = {key: Measured() for key in jobs}
     with threadpool_limits(1):

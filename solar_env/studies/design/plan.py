@@ -1,4 +1,4 @@
-"""Question that a design study answers: what may change, what must hold, and what is to be least."""
+"""Question of a design study: parameters that may change, conditions that must hold, and the quantity to minimise."""
 
 import operator
 import re
@@ -15,8 +15,8 @@ from solar_env.array.parameters.checks import row_of
 from solar_env.studies.loads.quantities import QUANTITIES
 from solar_env.support.values import check_name, is_number
 
-DEADLINE = 60.0  # s, by which all joints must have latched, unless less is asked for
-_FACTOR = 10.0  # by which a parameter is made smaller and greater where no range is given
+DEADLINE = 60.0  # s; time by which all joints must have latched, unless a condition asks for less
+_FACTOR = 10.0  # factor by which a parameter is made smaller and greater where no range is given
 _COMPARISONS = {"<": operator.lt, ">": operator.gt}
 
 
@@ -33,7 +33,7 @@ class Condition:
         return f"{self.quantity} {self.comparison} {self.bound:g} {QUANTITIES[self.quantity].unit}".rstrip()
 
     def excess(self, value: float) -> float:
-        """Share of the bound by which a value misses it; 0 where it holds."""
+        """Return the share of the bound by which a value misses the bound; 0 where the condition holds."""
         if _COMPARISONS[self.comparison](value, self.bound):
             return 0.0
         return abs(value - self.bound) / max(abs(self.bound), 1e-12)
@@ -43,7 +43,7 @@ def parse_condition(text: str) -> Condition:
     """Read a condition such as "latch_time < 30"; spaces in the name may stand for underscores.
 
     Raises:
-        ValueError: It cannot be read, or the quantity is unknown.
+        ValueError: The condition cannot be read, or the quantity is unknown.
     """
     match = re.fullmatch(r"\s*(.+?)\s*([<>])\s*(\S+)\s*", text)
     try:
@@ -56,7 +56,7 @@ def parse_condition(text: str) -> Condition:
 
 
 def quantity_name(text: str) -> str:
-    """Name of a quantity; spaces may stand for underscores.
+    """Return the name of a quantity; spaces in `text` may stand for underscores.
 
     Raises:
         ValueError: The quantity is unknown.
@@ -68,7 +68,7 @@ def quantity_name(text: str) -> str:
 
 @dataclass(frozen=True)
 class Change:
-    """Parameter that may change between two ends, which of one that differs from joint to joint are factors."""
+    """Parameter that may change between two ends; the ends are factors if the parameter differs from joint to joint."""
 
     name: str
     low: float
@@ -82,17 +82,17 @@ class Change:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether values are spaced by ratio."""
+        """True if values are spaced by ratio."""
         return self.low > 0.0 and self.high / self.low >= _FACTOR
 
     def value(self, share: float) -> float:
-        """Value at a share of the way from the low to the high end."""
+        """Return the value at a share of the way from the low to the high end."""
         if self.logarithmic:
             return float(f"{self.low * (self.high / self.low) ** share:.4g}")
         return float(f"{self.low + share * (self.high - self.low):.4g}")
 
     def share(self, value: float) -> float:
-        """Inverse of `value`, within 0 and 1."""
+        """Return the share of the way at which a value lies (the inverse of `value`), clipped to 0 and 1."""
         if self.logarithmic:
             share = np.log(max(value, self.low) / self.low) / np.log(self.high / self.low)
         else:
@@ -102,18 +102,18 @@ class Change:
 
 @dataclass(frozen=True)
 class DesignPlan:
-    """Question of a design study.
+    """Question that a design study answers.
 
     Attributes:
-        array: Parameters, and what of them is drawn.
-        change: What may change, from names of parameters to ranges (low, high), or to None for the usual range.
-        keep: What must hold, of the joint where the quantity is greatest.
-        least: Quantity that is to be least, of the joint where it is greatest.
-        members: Runs that a design is judged by.
-        points: Designs that are tried.
+        array: Parameters, and ranges of those that are drawn.
+        change: Ranges (low, high), by name, of the parameters that may change; None for the usual range.
+        keep: Conditions that must hold at the joint where the quantity is greatest.
+        least: Quantity to minimise, at the joint where it is greatest.
+        members: Number of runs that a design is judged by.
+        points: Number of designs to try.
 
     Raises:
-        ValueError: On construction, for a parameter that cannot change so, or a count that is not positive.
+        ValueError: On construction, for a change that its parameter cannot take, or a count that is not positive.
     """
 
     array: ParameterFile
@@ -143,7 +143,7 @@ class DesignPlan:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """The quantities that are asked for: first the one that is to be least."""
+        """Quantities asked for: first the quantity to minimise."""
         return tuple(dict.fromkeys([self.least, *(condition.quantity for condition in self.keep)]))
 
     @property
@@ -153,10 +153,10 @@ class DesignPlan:
         return min(bounds, default=DEADLINE)
 
     def parameters(self, values: Mapping[str, float]) -> ArrayParameters:
-        """The array with some values of what may change.
+        """Return the array with some values of the parameters that may change.
 
         Raises:
-            ValueError: A value is refused.
+            ValueError: The array refuses a value.
         """
         nominal, factors = self.array.parameters, {change.name: change.factor for change in self.changes}
         return nominal.with_changes(
@@ -167,7 +167,7 @@ class DesignPlan:
         )
 
     def today(self) -> dict[str, float]:
-        """The values that the array has."""
+        """Return the array's present values of the parameters that may change; factors are 1."""
         return {
             change.name: 1.0 if change.factor else float(self.array.parameters.entries(change.name)[0])
             for change in self.changes

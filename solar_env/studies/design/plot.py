@@ -1,4 +1,4 @@
-"""Picture of designs: a map of two parameters, or the figure over each of them."""
+"""Picture of designs: a map of two parameters, or the figure against each parameter."""
 
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from solar_env.support.files import save_figure
 
 
 def draw_design(design: Design, path: Path) -> None:
-    """Draw the designs; those that fail are crosses, and the best one is framed."""
+    """Draw the designs to a file: crosses mark designs that fail, a frame marks the best design."""
     plan, quantity = design.plan, QUANTITIES[design.plan.least]
     what = f"{quantity.name} [{quantity.unit}]"
     two = len(plan.changes) == 2
@@ -40,7 +40,7 @@ def draw_design(design: Design, path: Path) -> None:
 
 
 def _draw_map(axis: Axes, design: Design) -> None:
-    """The figure of every combination of two parameters."""
+    """Draw the figure of every combination of two parameters."""
     x, y = design.plan.changes
     columns, rows = (sorted({point.values[change.name] for point in design.points}) for change in (x, y))
     values, failing = np.full((len(rows), len(columns)), np.nan), []
@@ -66,7 +66,7 @@ def _draw_map(axis: Axes, design: Design) -> None:
 
 
 def _draw_over(axis: Axes, design: Design, name: str) -> None:
-    """The figure over one parameter, of all designs; those without one stand at the foot of the axes."""
+    """Draw the figure of all designs against one parameter; designs without a figure stand at the foot of the axes."""
     (change,) = (change for change in design.plan.changes if change.name == name)
     least = design.plan.least
     look: dict[str, Any] = {"linestyle": "", "markersize": 4.0}

@@ -1,4 +1,4 @@
-"""Designs measured: an ensemble for each, at the cheapest level of the model that answers the question on the array."""
+"""Measurement of designs by an ensemble each, at the cheapest level of the model that answers the array's question."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ from solar_env.studies.loads.quantities import QUANTITIES
 from solar_env.support.campaigns import Campaign, Cell
 
 STORE = "design.jsonl"
-WINDOW = 10.0  # s, simulated after the last latching
-TOLERANCE = 0.1  # of a figure, within which a level answers
-# From the cheapest; modes take no fittings.
+WINDOW = 10.0  # s; time simulated after the last latching
+TOLERANCE = 0.1  # relative error of a figure within which a level answers
+# Levels from the cheapest; modes take no fittings.
 CANDIDATES = ("rigid-clearance", "flexible-clearance:8 modes", "flexible-clearance")
 WITH_FITTINGS = ("rigid-clearance", "flexible-clearance:4 elements")
 
@@ -27,12 +27,12 @@ class Point:
     """A design and its figures.
 
     Attributes:
-        values: Of what may change.
-        figures: Mean over the members by quantity, of the joint where it is greatest, in the printed unit; nan where a
-            member failed.
-        scatter: Standard error of the quantity that is to be least.
-        failing: Why it is no answer; empty where it is one.
-        excess: Sum of the shares by which conditions are missed; inf where a member failed.
+        values: Values of the parameters that may change.
+        figures: Mean over the members by quantity, at the joint where the quantity is greatest, in the printed unit;
+            nan where a member failed.
+        scatter: Standard error of the quantity to minimise.
+        failing: Reason why the design is no answer; empty where it is an answer.
+        excess: Sum of the shares by which conditions are missed; inf where the figures are unknown.
     """
 
     values: Mapping[str, float]
@@ -43,7 +43,7 @@ class Point:
 
 
 class Bench:
-    """Measures designs on so many processes, and keeps the results in a folder, with which a study goes on."""
+    """Bench that measures designs on `workers` processes; an interrupted study goes on from the results in `folder`."""
 
     def __init__(self, plan: DesignPlan, folder: Path, workers: int, console: Console) -> None:
         self.plan, self._store, self._workers, self._console = plan, folder / STORE, workers, console
@@ -51,9 +51,9 @@ class Bench:
         self.finest = self._loads.levels[1]
 
     def level(self) -> tuple[Level, str]:
-        """Choose the cheapest level whose figures of the array as it is are right within TOLERANCE; say how right.
+        """Choose the cheapest level whose figures of the present array are right within TOLERANCE, and say how right.
 
-        Where the array as it is fails, the level of `loads` is taken.
+        If the present array fails, take the level of `loads`.
         """
         levels = [*map(Level, WITH_FITTINGS if self.plan.array.parameters.panel_masses else CANDIDATES)]
         results = self.measured([(self.plan.today(), level, 0) for level in (*levels, self.finest)], "levels")
@@ -69,7 +69,7 @@ class Bench:
         return self.finest, f"no cheaper one is within {TOLERANCE:.0%} of it"
 
     def measured(self, asked: Sequence[tuple[Mapping[str, float], Level, int]], what: str = "") -> list[Point]:
-        """Measure designs, each at a level with the members after a number of them; under a bar that says `what`."""
+        """Measure designs, each given as (values, level, members to skip), under a progress bar that says `what`."""
         cells: list[list[Cell]] = []
         for values, level, first in asked:
             members = range(first + 1, first + self.plan.members + 1)
@@ -97,7 +97,7 @@ class Bench:
         if not all(run["latched"] for run in runs):
             return Point(values, unknown, np.nan, f"no latching within {self.plan.deadline:g} s", np.inf)
         table = {
-            name: QUANTITIES[name].scale * np.array([np.max(run["quantities"][name]) for run in runs])
+            name: QUANTITIES[name].scale * np.array([np.max(np.abs(run["quantities"][name])) for run in runs])
             for name in self.plan.quantities
         }
         figures = {name: float(column.mean()) for name, column in table.items()}

@@ -1,4 +1,4 @@
-"""Best design: by a grid over one or two parameters, or by CMA-ES over several."""
+"""Search of the best design: a grid over one or two parameters, or CMA-ES over several."""
 
 import itertools
 from collections import Counter
@@ -15,18 +15,18 @@ from solar_env.studies.loads.quantities import QUANTITIES
 from solar_env.studies.loads.statistics import rounded, shortened
 from solar_env.support.minimisation import minimise
 
-MAPPED = 2  # parameters, at most, of which all combinations are tried
+MAPPED = 2  # greatest number of parameters of which all combinations are tried
 
 
 @dataclass(frozen=True)
 class Design:
-    """Answer of a study.
+    """Answer of a design study.
 
     Attributes:
-        level, reason: At which designs were compared, and why.
-        today, points: The array as it is, and all designs tried.
-        best: The best of those that keep all conditions; None where none does.
-        confirmed: The same design, by fresh members at the finest level; None where there is no best.
+        level, reason: Level at which designs were compared, and the reason for it.
+        today, points: The present array, and all designs tried.
+        best: The best design that keeps all conditions; None where every design fails.
+        confirmed: The best design, measured with fresh members at the finest level; None without a best design.
     """
 
     plan: DesignPlan
@@ -39,7 +39,7 @@ class Design:
 
 
 def find_design(bench: Bench, seed: int, progress: bool) -> Design:
-    """Try designs, and confirm the best one."""
+    """Try designs, and confirm the best one with fresh members at the finest level."""
     plan = bench.plan
     level, reason = bench.level()
     (today,) = bench.measured([(plan.today(), level, 0)])
@@ -56,14 +56,14 @@ def find_design(bench: Bench, seed: int, progress: bool) -> Design:
 
 
 def _grid(plan: DesignPlan) -> list[dict[str, float]]:
-    """All combinations, the last parameter running fastest."""
+    """Return all combinations of values, the last parameter running fastest."""
     count = max(2, round(plan.points ** (1.0 / len(plan.changes))))
     axes = [[change.value(share) for share in np.linspace(0.0, 1.0, count)] for change in plan.changes]
     return [dict(zip(plan.change, values, strict=True)) for values in itertools.product(*axes)]
 
 
 def _searched(bench: Bench, level: Level, today: Point, seed: int, progress: bool) -> list[Point]:
-    """Designs of a search by CMA-ES. One that misses a condition is worse than any that keeps all."""
+    """Search by CMA-ES, and return the designs tried; any design that misses a condition costs more than all others."""
     plan, tried = bench.plan, []
     scale = today.figures[plan.least] if np.isfinite(today.figures[plan.least]) else 1.0
 
@@ -83,7 +83,7 @@ def _searched(bench: Bench, level: Level, today: Point, seed: int, progress: boo
 
 
 def row_of(plan: DesignPlan, point: Point) -> Row:
-    """Row of a table: the values, the figures in their printed units, and why the design is no answer."""
+    """Return the row of a table: values, figures in their printed units, and the reason why the design is no answer."""
     names = {change.name: change.label for change in plan.changes}
     row: Row = {names[name]: value for name, value in point.values.items()}
     for name in plan.quantities:
@@ -92,7 +92,7 @@ def row_of(plan: DesignPlan, point: Point) -> Row:
 
 
 def answer(design: Design) -> list[str]:
-    """State the best design beside the array as it is, which designs fail, and what it rests on."""
+    """State the best design beside the present array, the failing designs, and the runs that the answer rests on."""
     plan, best, confirmed = design.plan, design.best, design.confirmed
     least, labels = QUANTITIES[plan.least], {change.name: change.label for change in plan.changes}
     lines = []

@@ -1,10 +1,10 @@
-"""Error and cost of every level of the model, question by question, measured into a table.
+"""Measurement of the error and cost of every level of the model, question by question, into a table.
 
 Every level is run on its springs alone, and under fixed controllers. Its answers are compared with the reference's.
 
-Means of ensembles are compared, member by member: the same member is perturbed alike at all levels, and what the level
-does not change cancels. The bands are those of B. Efron, Ann. Statist. 7 (1979) 1, over the members, widened for small
-ensembles as T. C. Hesterberg, Am. Stat. 69 (2015) 371, doi:10.1080/00031305.2015.1089789, has it.
+Means of ensembles are compared, member by member. The same member is perturbed alike at all levels, so that common
+scatter cancels. The bands are bootstrap bands over the members (B. Efron, Ann. Statist. 7 (1979) 1), widened for small
+ensembles (T. C. Hesterberg, Am. Stat. 69 (2015) 371, doi:10.1080/00031305.2015.1089789).
 """
 
 import math
@@ -35,10 +35,10 @@ Array = NDArray[np.float64]
 FILE = "ladder.csv"
 TASK = VERSIONS["v1"].task
 RANKING = "controller-ranking"
-_COVERAGE = 0.95  # of bands
-SAMPLE_STEP = 0.02  # s, between two places of the tip
-# Constant motor torques on the root hinge [N m], positive opens, and when they set in [s]: controllers that do not
-# look. They latch the default array between 11 and 19 s.
+_COVERAGE = 0.95  # coverage of the bands
+SAMPLE_STEP = 0.02  # s; time between two samples of the tip's place
+# Controllers without feedback: constant motor torques on the root hinge [N m], positive if they open it, and the times
+# at which they set in [s]. They latch the default array between 11 and 19 s.
 CONTROLLERS = {
     "springs alone": (0.0, 0.0),
     "constant drive": (0.1, 0.0),
@@ -52,16 +52,16 @@ CONTROLLERS = {
 class Outcome:
     """Answers and cost of one run, or of one run under each controller."""
 
-    answers: dict[str, Array]  # question -> (k, d) quantities that are vectors of d components
+    answers: dict[str, Array]  # question -> (k, d): k quantities, each a vector of d components
     wall: float  # time taken [s]
-    evaluations: float  # of the right-hand side
+    evaluations: float  # evaluations of the right-hand side
 
 
 def deploy(level: Level, member: int, duration: float) -> Outcome:
     """Deploy a member of the ensemble on the springs alone, for a duration [s].
 
     Returns:
-        Every question's answer but the ranking of controllers.
+        Answers to all questions except the ranking of controllers.
 
     Raises:
         ValueError: if a joint has not latched.
@@ -110,7 +110,7 @@ def control(level: Level, member: int, window: float) -> Outcome:
 
 
 def _drive(simulation: Simulation, torque: float, start: float, window: float) -> None:
-    """Simulate up to a time [s] after the last latching, or to the deadline if a joint is still open."""
+    """Apply a torque, and simulate to `window` [s] after the last latching, or to the deadline if a joint is open."""
     if start > 0.0:
         simulation.advance(start)
     simulation.set_motor_torque(TASK.driven_joints[0], torque)
@@ -123,18 +123,18 @@ def _drive(simulation: Simulation, torque: float, start: float, window: float) -
 
 @dataclass(frozen=True)
 class LadderPlan:
-    """How much is measured."""
+    """Extent of the measurement: levels, members and durations."""
 
     panels: tuple[str, ...] = (
         *(f"{elements} elements" for elements in (1, 2, 4, 6, 12)),
         *(f"{modes} modes" for modes in (8, 32)),
     )
-    reference: Level = FINEST  # what all levels are compared with, finer than they are
-    duration: float = 22.5  # of deployments on the springs alone [s]; they latch at 12.3 s
+    reference: Level = FINEST  # level that all others are compared with, finer than they are
+    duration: float = 22.5  # duration of deployments on the springs alone [s]; they latch at 12.3 s
     members: int = 16
-    ideal_members: int = 3  # with ideal joints, which have no chaos to average over
-    controlled_members: int = 8  # under each controller
-    window: float = 10.0  # simulated after the last latching under a controller [s]
+    ideal_members: int = 3  # members with ideal joints, which have no chaos to average over
+    controlled_members: int = 8  # members under each controller
+    window: float = 10.0  # time simulated after the last latching under a controller [s]
 
     @property
     def levels(self) -> tuple[Level, ...]:
@@ -144,7 +144,7 @@ class LadderPlan:
 
     @property
     def runs(self) -> list[tuple[Level, int, bool]]:
-        """Level, member, and whether controlled; member by member, so that disturbances meet all levels alike."""
+        """Tuples (level, member, controlled), member by member, so that disturbances meet all levels alike."""
         return [
             (level, member, controlled)
             for most, controlled in ((self.members, False), (self.controlled_members, True))
@@ -188,7 +188,7 @@ def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
 
 
 def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
-    """Error of a level's runs against as many of the reference's, and the half-width of its sampling band."""
+    """Return a level's error against as many runs of the reference, and the half-width of its sampling band."""
     level, other = (np.stack([run.answers[question] for run in runs]) for runs in (found, reference[: len(found)]))
     if question == RANKING:
         return ranking_error(level, other)
@@ -225,11 +225,11 @@ def _warm_up(plan: LadderPlan) -> None:
 
 
 def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, float]:
-    """Greatest distance between the means of two ensembles, and the half-width of its simultaneous 95 % band.
+    """Return the greatest distance between two ensembles' means, and the half-width of its simultaneous 95 % band.
 
     Args:
         level, reference: (n, k, d) answers of the same n members: k quantities, each a vector of d components.
-        scale: (k,) what distances are taken relative to.
+        scale: (k,) scales by which the distances are divided.
 
     Returns:
         The error, and what sampling may add to it: with 95 % probability no quantity's true distance exceeds their sum.
@@ -242,7 +242,7 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
 
 
 def _widening(count: int) -> float:
-    """Student's quantile over the normal one, times sqrt(n / (n - 1)); a single member has no band to widen."""
+    """Return the ratio of Student's to the normal quantile, times sqrt(n / (n - 1)); 1 for n = 1, without a band."""
     if count == 1:
         return 1.0
     share = 0.5 * (1.0 + _COVERAGE)
@@ -250,10 +250,10 @@ def _widening(count: int) -> float:
 
 
 def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
-    """Share of discordant pairs of controllers (M. G. Kendall, Biometrika 30 (1938) 81), and its 95 % half-width.
+    """Return the share of discordant controller pairs (M. G. Kendall, Biometrika 30 (1938) 81) and its 95 % half-width.
 
-    Both tables are (n, controllers, measures) of the same members; the controllers are ranked by each measure for
-    itself. A pair that a level cannot tell apart counts half.
+    Both tables are (n, controllers, measures) of the same members. The controllers are ranked separately by each
+    measure. A pair that a level cannot tell apart counts half.
     """
     share = float(discordant_share(level.mean(axis=0), reference.mean(axis=0)))
     resampled = discordant_share(resampled_means(level), resampled_means(reference))
@@ -261,7 +261,7 @@ def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
 
 
 def discordant_share(level: Array, reference: Array) -> Array:
-    """(...) shares of the pairs that two (..., controllers, measures) tables of means rank differently."""
+    """Return the (...) shares of the pairs that two (..., controllers, measures) tables of means rank differently."""
     first, second = np.triu_indices(reference.shape[-2], k=1)
     signs = [np.sign(table[..., first, :] - table[..., second, :]) for table in (level, reference)]
     return np.asarray((1.0 - signs[0] * signs[1]).mean(axis=(-2, -1)) / 2.0)

@@ -1,6 +1,7 @@
-"""The ensemble: members at a level of the model, at the finest one, and with other contact laws; what changes it."""
+"""The ensemble: members at a level of the model, at the finest level, and with other contact laws; sensitivities."""
 
 import contextlib
+import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from rich.console import Console
 from solar_env.array import ArrayParameters, ModelLevel, ParameterFile
 from solar_env.array.motorization import motorization
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
+from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.failures import told
 from solar_env.studies.common.motion import FINEST, Level
@@ -27,7 +29,7 @@ Array = NDArray[np.float64]
 
 STORE = "loads.jsonl"
 FINEST_OF_ELEMENTS = Level("flexible-clearance:12 elements", 10.0)
-# Contact laws of different geometry -> what they are the contact of.
+# Contact laws of different geometry -> the bodies in contact.
 GEOMETRIES = {
     "lankarani-nikravesh": "spheres",
     "pereira": "a cylinder in its bush",
@@ -40,14 +42,14 @@ class LoadsPlan:
     """Question that an ensemble answers.
 
     Raises:
-        ValueError: on construction, for a value out of range, or ideal joints, which tell nothing of impacts.
+        ValueError: on construction, for a value out of range, or for ideal joints, which have no impacts.
     """
 
-    array: ParameterFile  # parameters, and what of them is drawn
-    model: str = "flexible-clearance"  # the same members run at the finest level, too
-    members: int = 16  # of each level
-    window: float = 10.0  # simulated after the last latching [s]
-    deadline: float = 60.0  # by which all joints must have latched [s]
+    array: ParameterFile  # parameters, and ranges of drawn ones
+    model: str = "flexible-clearance"  # level of the model; the same members also run at the finest level
+    members: int = 16  # number of members at each level
+    window: float = 10.0  # time simulated after the last latching [s]
+    deadline: float = 60.0  # time by which all joints must have latched [s]
 
     def __post_init__(self) -> None:
         if not ModelLevel.of(self.model).clearance:
@@ -62,7 +64,7 @@ class LoadsPlan:
 
     @cached_property
     def forms(self) -> Mapping[str, ParameterFile]:
-        """The array with the contact laws of other geometries, by what these are the contact of; not those refused."""
+        """The array with contact laws of other geometries, by bodies in contact; laws that it refuses are left out."""
         own = self.array.parameters.contact_law
         own = own if own in GEOMETRIES else next(iter(GEOMETRIES))
         ranges = {name: pair for name, pair in self.array.randomize.items() if name != "contact_stiffness"}
@@ -76,12 +78,12 @@ class LoadsPlan:
 
     @property
     def asked(self) -> tuple[tuple[Level, ParameterFile], ...]:
-        """Levels and arrays that every member runs: the level, the finest one, the level with other contact laws."""
+        """Levels and arrays that every member runs: the level, the finest level, the level with other contact laws."""
         level, finest = self.levels
         return (level, self.array), (finest, self.array), *((level, form) for form in self.forms.values())
 
     def cell(self, level: Level, parameters: ArrayParameters, ranges: Ranges, member: int) -> Cell:
-        """Cell of a run for `run_member`."""
+        """Make the cell of a run for `run_member`."""
         return {
             "model": level.model,
             "tighter": level.tighter,
@@ -94,15 +96,17 @@ class LoadsPlan:
 
     @property
     def levels(self) -> tuple[Level, Level]:
-        """The level chosen, and the finest one, of elements where the panels have fittings."""
+        """The chosen level and the finest one; the finest is made of elements if the panels have fittings."""
         return Level(self.model), FINEST_OF_ELEMENTS if self.array.parameters.panel_masses else FINEST
 
 
 def run_member(cell: Cell) -> dict[str, object]:
-    """Quantities, spectra and warnings of a member at a level, or why it failed, as values that JSON keeps."""
+    """Run a member at a level; return its quantities, spectra and warnings, or its failure, as values for JSON."""
     level = Level(cell["model"], cell["tighter"])
-    nominal = ArrayParameters().with_changes(cell["parameters"])
-    parameters = member_parameters(nominal, cell["randomize"], cell["member"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SimulationWarning)  # of parameters: the command has told of them
+        nominal = ArrayParameters().with_changes(cell["parameters"])
+        parameters = member_parameters(nominal, cell["randomize"], cell["member"])
     try:
         done = deploy(level, parameters, cell["member"], cell["window"], cell["deadline"])
     except SimulationError as error:
@@ -122,21 +126,21 @@ class Loads:
     """Answer of an ensemble."""
 
     plan: LoadsPlan
-    figures: Mapping[str, tuple[Figure, ...]]  # quantity -> a figure for each joint, or one of the hub
-    hinge_spectrum: Array  # (levels, members, f, joints) of members that latched
-    hub_spectrum: Array  # (levels, members, f)
-    unlatched: Sequence[int]  # members that did not latch by the deadline, of the level and of the finest one
-    warnings: Mapping[str, int]  # text -> in how many runs the simulator said it
-    failures: str  # which runs failed, and why; empty where none did
-    forms: Mapping[str, tuple[Figure, ...]]  # contact -> peak force by joint, and this law's mean less its
+    figures: Mapping[str, tuple[Figure, ...]]  # quantity -> a figure for each joint, or one for the hub
+    hinge_spectrum: Array  # (levels, members, f, joints) of members that latched at both levels
+    hub_spectrum: Array  # (levels, members, f), likewise
+    unlatched: Sequence[int]  # number of members not latched by the deadline, at the level and at the finest one
+    warnings: Mapping[str, int]  # warning of the simulator -> number of runs with it
+    failures: str  # runs that failed, with reasons; empty without failures
+    forms: Mapping[str, tuple[Figure, ...]]  # other contact -> peak force by joint; model_error: own law minus this
     sensitivity: Sensitivity
 
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
-    """Run what is missing of the ensemble, going on where an earlier run of the same plan stopped.
+    """Run the ensemble's missing members, going on where an earlier run of the same plan stopped.
 
     Raises:
-        ValueError: if the folder holds another ensemble, or in no run all joints latch.
+        ValueError: if the folder holds another ensemble, or no run latches all joints.
     """
     cells = [
         plan.cell(level, array.parameters, array.randomize, member)
@@ -150,13 +154,26 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console)
     return gathered(plan, results[: len(cells)], dict(zip(singles, results[len(cells) :], strict=True)))
 
 
-def gathered(plan: LoadsPlan, results: Sequence[Result], singles: Mapping[Shift | None, Result]) -> Loads:
-    """The figures of results, member by member in the order of `LoadsPlan.asked`, and what changes them.
+def check_latching(plan: LoadsPlan) -> None:
+    """Refuse an array whose joints do not all latch in one run with rigid panels, by a ValueError that says why."""
+    run = deploy(Level("rigid-clearance"), plan.array.parameters, 0, 0.1, plan.deadline)
+    if not np.isfinite(run.trajectory.latch_times).all():
+        raise ValueError(_never(plan, "in a first run with rigid panels not"))
 
-    A member that failed in one of them is left out. Singles are runs of the nominal array (None) and of shifted ones.
+
+def _never(plan: LoadsPlan, where: str) -> str:
+    stalled = [str(hinge) for hinge in motorization(plan.array.parameters) if hinge.stalls_at is not None]
+    why = "; ".join(stalled) or "give a longer --deadline, or stiffer springs"
+    return f"{where} all joints latch within {plan.deadline:g} s; {why}"
+
+
+def gathered(plan: LoadsPlan, results: Sequence[Result], singles: Mapping[Shift | None, Result]) -> Loads:
+    """Compute figures and sensitivities from results, which come member by member in the order of `LoadsPlan.asked`.
+
+    A member with a failed run is left out. Singles are runs of the nominal array (None) and of shifted arrays.
 
     Raises:
-        ValueError: if in no run all joints latch, or too many have failed.
+        ValueError: if no run latches all joints, or too many runs have failed.
     """
     failed: dict[str, str] = {}
     for run in results:
@@ -168,11 +185,7 @@ def gathered(plan: LoadsPlan, results: Sequence[Result], singles: Mapping[Shift 
     levels = [runs[0] for runs in whole], [runs[1] for runs in whole]
     unlatched = [sum(not run["latched"] for run in runs) for runs in levels]
     if min(unlatched) == len(whole):
-        stalled = [str(hinge) for hinge in motorization(plan.array.parameters) if hinge.stalls_at is not None]
-        raise ValueError(
-            f"in none of {plan.members} runs all joints latch within {plan.deadline:g} s; "
-            f"{'; '.join(stalled) or 'give a longer --deadline, or stiffer springs'}"
-        )
+        raise ValueError(_never(plan, f"in none of {plan.members} runs"))
     figures = {}
     for name in QUANTITIES:
         level, finest = (np.array([run["quantities"][name] for run in runs], dtype=float) for runs in levels)

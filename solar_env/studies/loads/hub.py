@@ -1,7 +1,7 @@
 """Motion of the main body ("hub"), and the force and torque on it, from samples of a deployment.
 
-The hub is rigid and free: whatever its momentum gains between two samples, the hinge has put in. The mean loads between
-samples are therefore known exactly, however short the impacts are that lie between.
+The hub is rigid. If it is free, the hinges have put in all momentum that it gains between two samples: the mean loads
+between samples are then known exactly, however short the impacts between the samples are.
 """
 
 from pathlib import Path
@@ -19,17 +19,17 @@ from solar_env.mechanics.running.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-_SHIFT = 1e-6  # s, to either side of a sample; the coordinates of a rigid body are smooth
+_SHIFT = 1e-6  # s; time shift to either side of a sample; the coordinates of a rigid body are smooth
 
 
 def hub_place(parameters: ArrayParameters, model: ModelArrays, q: Array) -> Array:
-    """(nt, 3) place of the centroid [m] and angle of the hub [rad], between -pi and pi."""
+    """Return the (nt, 3) place of the centroid [m] and angle of the hub [rad], between -pi and pi."""
     centroid, along, _ = main_body_frame(parameters, centreline(model, q, 0))
     return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
 
 
 def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: Array) -> Array:
-    """(nt, 3) velocity of the centroid [m/s] and spin of the hub [rad/s]."""
+    """Return the (nt, 3) velocity of the centroid [m/s] and spin of the hub [rad/s]."""
     ahead, behind = (hub_place(parameters, model, q + sign * _SHIFT * v) for sign in (1.0, -1.0))
     change = ahead - behind
     change[:, 2] = (change[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
@@ -37,12 +37,12 @@ def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: A
 
 
 def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
-    """(nt, 3) force [N] and torque about the centroid [N m] of the root hinges on a hub held in place (`hub_place`)."""
+    """Return the (nt, 3) force [N] and centroidal torque [N m] of the root hinges on a hub held at its `hub_place`."""
     total, (c, s) = np.zeros((len(place), 3)), (np.cos(place[:, 2]), np.sin(place[:, 2]))
     for root in (joint for joint in parameters.joints if joint.inboard == MAIN_BODY):
         k, x, y = root.index, root.side * parameters.hinge_x, parameters.hinge_y
         lever = trajectory.journal_radius[k] + trajectory.clearance[k] + trajectory.penetration[:, k]
-        # About the bearing's centre.
+        # Friction torque about the bearing's centre.
         friction = lever * trajectory.tangential_force[:, k] * (trajectory.clearance[k] > 0.0)
         arm, force = np.column_stack([c * x - s * y, s * x + c * y]), -trajectory.joint_force[:, k]
         turning = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] - root.sign * trajectory.joint_torque[:, k]
@@ -51,16 +51,16 @@ def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, pla
 
 
 def mean_loads(parameters: ArrayParameters, time: Array, velocity: Array) -> Array:
-    """(nt - 1, 3) mean force [N] and torque [N m] on a free hub between samples of its velocity (nt, 3)."""
+    """Return the (nt - 1, 3) mean force [N] and torque [N m] on a free hub between samples of its velocity (nt, 3)."""
     inertia = np.array([parameters.body_mass, parameters.body_mass, parameters.body_inertia])
     return np.asarray(inertia * np.diff(velocity, axis=0) / np.diff(time)[:, None])
 
 
 def write_hub_loads(parameters: ArrayParameters, time: Array, loads: Array, path: Path) -> None:
-    """Write the mean loads on the hub, each from one sample to the next, and its mass and inertia in every row, as CSV.
+    """Write a CSV file of the hub's mean loads from each sample to the next, with its mass and inertia in every row.
 
-    Held constant over each row's time they give such a hub the momentum that it had at every sample: (nt - 1, 3) forces
-    in inertial axes [N] and torques about the centroid [N m] between (nt,) times [s].
+    Held constant over each row's time, the loads give such a hub its momentum at every sample. `loads` has (nt - 1, 3)
+    forces in inertial axes [N] and torques about the centroid [N m] between the (nt,) times [s].
     """
     columns = {"start_s": time[:-1], "end_s": time[1:], "force_x_N": loads[:, 0], "force_y_N": loads[:, 1]}
     hub = {"hub_mass_kg": parameters.body_mass, "hub_inertia_kgm2": parameters.body_inertia}

@@ -1,4 +1,4 @@
-"""Page of an ensemble: the answer, the nominal array in motion, modes, spectra, and bars of what changes a figure."""
+"""Page of an ensemble: the answer, the nominal array in motion, modes, spectra, and bars of the sensitivities."""
 
 from collections.abc import Iterator, Sequence
 
@@ -20,11 +20,11 @@ from solar_env.studies.loads.statistics import shortened
 
 Array = NDArray[np.float64]
 
-_BARS = 8  # parameters of a chart of what changes a figure, at most
+_BARS = 8  # greatest number of parameters in a chart of sensitivities
 
 
 def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
-    """The page of an ensemble and of a deployment to look at, with notes as its last lines."""
+    """Make the page of an ensemble and of its nominal deployment, with notes as the last lines."""
     name = f"Nominal array, {loads.plan.levels[0].name}"
     charts = [
         *charts_of({name: nominal.trajectory}),
@@ -41,7 +41,7 @@ def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: 
 
 
 def _hub_charts(nominal: Deployment) -> Iterator[Chart]:
-    """Turn of the hub, and the greatest loads on it from each of the moments shown to the next."""
+    """Yield charts of the hub's turn, and of the greatest loads on the hub from each shown moment to the next."""
     kept, time = shown_samples(nominal.trajectory), nominal.trajectory.time
     turn = np.degrees(nominal.place[kept, 2] - nominal.place[0, 2])
     line = Line("hub", time[kept], turn, COLOURS[0])
@@ -55,7 +55,7 @@ def _hub_charts(nominal: Deployment) -> Iterator[Chart]:
 
 
 def _ringing(nominal: Deployment) -> Iterator[Chart]:
-    """Motion of each wing's tip across the hub's axis after the last latching, about its mean."""
+    """Yield a chart of the wing tips' motions across the hub's axis after the last latching, about their means."""
     trajectory = nominal.trajectory
     after = np.flatnonzero(trajectory.time > trajectory.latch_times.max())
     if len(after) < 2:
@@ -74,14 +74,14 @@ def _ringing(nominal: Deployment) -> Iterator[Chart]:
 
 
 def _main_frequency(history: Array, step: float) -> float:
-    """Frequency of the greatest line of a spectrum [Hz], of a history seen through Hann's window."""
+    """Return the frequency [Hz] of the greatest line in the spectrum of a history under Hann's window."""
     padded = 8 * len(history)
     spectrum = np.abs(np.fft.rfft(history * np.hanning(len(history)), padded))
     return float(np.fft.rfftfreq(padded, step)[spectrum.argmax()])
 
 
 def _modes(loads: Loads) -> Iterator[Chart]:
-    """Shapes of the first modes with the hub held and free."""
+    """Yield charts of the first modes' shapes with the hub held and free."""
     for held in (True, False):
         modes = first_modes(loads.plan.array.parameters, held)
         frequencies = [f"{frequency:.3g}" for frequency in modes.frequencies]
@@ -95,7 +95,7 @@ def _modes(loads: Loads) -> Iterator[Chart]:
 
 
 def _spectra(loads: Loads) -> Iterator[Chart]:
-    """Mean and greatest of the runs, and the mean of the finest level."""
+    """Yield charts of spectra: mean and greatest of the runs, and the mean of the finest level."""
     if not loads.hub_spectrum.size:
         return
     greatest = loads.hinge_spectrum[0].mean(axis=0).max(axis=0)
@@ -122,7 +122,7 @@ def _spectrum(spectra: Array, prefix: str, colour: int) -> list[Line]:
 
 
 def _tornados(loads: Loads) -> Iterator[Chart]:
-    """Bars of the parameters that change each figure most, at the joint where it is greatest."""
+    """Yield charts with bars of the parameters that change each figure most, at the joint where it is greatest."""
     for name, by_joint in loads.sensitivity.effects.items():
         joint = worst_joint(loads.figures[name])
         effects, what = by_joint[joint], full_name(loads, name, joint)
@@ -142,7 +142,7 @@ def _tornado(title: str, effects: Effects, shown: Sequence[str]) -> Chart:
         middle = 0.5 * (low + high)
         lines = [
             Line("coefficient", bars(0.0 * middle, middle), places, COLOURS[0]),
-            Line("its 95 % interval", bars(low, high), places + 0.28, COLOURS[1]),
+            Line("its 95 % interval", bars(low, high), places + 0.28, COLOURS[1], "dash"),
         ]
         return Chart(title, "standardised coefficient", "", lines, False, bars=shown)
     lines = [

@@ -1,4 +1,4 @@
-"""Quantities that are read from a deployment: by joint, and of the hub."""
+"""Quantities that are read from a deployment, by joint and of the hub."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ class Quantity:
     """A figure of a deployment."""
 
     name: str
-    unit: str  # in which it is printed
-    read: Callable[[Deployment], Array]  # (joints,) values in SI units, or (1,) of the hub; nan where there is none
-    scale: float = 1.0  # from SI units to those in which it is printed
+    unit: str  # unit in which the figure is printed
+    read: Callable[[Deployment], Array]  # (joints,) values in SI units, or (1,) of the hub; nan where not known
+    scale: float = 1.0  # printed units per SI unit
     needs_latching: bool = True
 
 
 def _impacts(deployment: Deployment) -> list[NDArray[np.void]]:
-    """Contacts that began after the first latching, by joint."""
+    """Return the contacts that began after the first latching, joint by joint."""
     trajectory = deployment.trajectory
     later = trajectory.contacts[trajectory.contacts["start_s"] > np.nanmin(trajectory.latch_times)]
     return [later[later["joint"] == joint] for joint in range(len(trajectory.latch_times))]
@@ -57,7 +57,7 @@ JOINT_QUANTITIES: Mapping[str, Quantity] = {
     ),
     "wear_depth": Quantity("deepest wear", "fm", lambda d: d.trajectory.wear_depth, 1e15),
 }
-# A hub feels the force of the first joint; its acceleration follows from it.
+# A hub feels the force of the root hinge; the hub's acceleration follows from the force.
 HUB_QUANTITIES: Mapping[str, Quantity] = {
     "hub_excursion": Quantity("greatest turn", "deg", lambda d: np.abs(_turn(d)).max(keepdims=True), _DEGREES),
     "hub_turn": Quantity("turn at the end", "deg", lambda d: _turn(d)[-1:], _DEGREES),
@@ -69,7 +69,7 @@ QUANTITIES = {**JOINT_QUANTITIES, **HUB_QUANTITIES}
 
 
 def read_all(deployment: Deployment) -> dict[str, list[float]]:
-    """Every quantity in SI units; nan for those that need all joints latched where one is not."""
+    """Read every quantity in SI units; quantities that need all joints latched are nan if a joint is open."""
     latch_times, found = deployment.trajectory.latch_times, {}
     for name, quantity in QUANTITIES.items():
         told = np.isfinite(latch_times).all() or not quantity.needs_latching

@@ -1,4 +1,4 @@
-"""Report of an ensemble: a few lines, and tables."""
+"""Report of an ensemble in a few lines and tables."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,18 +15,18 @@ from solar_env.studies.loads.sensitivity import SHARE, Effects
 from solar_env.studies.loads.statistics import Figure, counted, rounded, shortened
 
 COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "discretisation error")
-WEAR_LIMIT = 1e-6  # m, to which deployments are counted
-MANY_DEPLOYMENTS = 1e5  # more than any array sees, ground tests included
-_SHOWN = slice(3, None, 6)  # of the frequencies, in the table
-_SIZING = ("latch_torque", "peak_force", "hub_excursion")  # figures of which a line says what changes them
-_TOLD = 3  # parameters that change a figure, at most
+WEAR_LIMIT = 1e-6  # m; wear depth up to which deployments are counted
+MANY_DEPLOYMENTS = 1e5  # number of deployments that no array sees, ground tests included
+_SHOWN = slice(3, None, 6)  # frequencies shown in the table
+_SIZING = ("latch_torque", "peak_force", "hub_excursion")  # figures whose sensitivities a line states
+_TOLD = 3  # greatest number of parameters told for a figure
 
 
 def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
-    """State what sizes hinges and hub, pin force, momentum exchanged, wear, what changes them, and what they rest on.
+    """State the figures that size hinges and hub, pin force, momentum exchanged, wear, sensitivities and their basis.
 
-    After the first line come those of what was known before the runs, see `statics`. Each figure comes with the
-    interval of its mean, its high quantile and its discretisation error.
+    After the first line come the lines `before`, known before the runs (see `statics`). Each figure comes with the
+    interval of its mean; the figures of `_STATED` also with their high quantile and discretisation error.
     """
     stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in _worst_of(loads, _STATED).items()}
     worst = _worst_of(loads, JOINT_QUANTITIES)
@@ -60,25 +60,25 @@ _STATED = ("latch_torque", "peak_force", "impulse", "wear_depth")
 
 
 def _worst_of(loads: Loads, names: Iterable[str]) -> dict[str, tuple[str, Figure]]:
-    """By quantity, the name of the joint with the greatest mean, and its figure."""
+    """Find, by quantity, the name of the joint with the greatest mean, and its figure."""
     found = {name: worst_joint(loads.figures[name]) for name in names}
     joints = loads.plan.array.parameters.joints
     return {name: (joints[joint].name, loads.figures[name][joint]) for name, joint in found.items()}
 
 
 def worst_joint(figures: Sequence[Figure]) -> int:
-    """Index of the joint whose figure has the greatest mean."""
+    """Return the index of the joint whose figure has the greatest mean."""
     return max(range(len(figures)), key=lambda j: figures[j].mean if math.isfinite(figures[j].mean) else -math.inf)
 
 
 def full_name(loads: Loads, quantity: str, joint: int) -> str:
-    """Name a quantity with its joint, counted from 0, where it is not one of the hub."""
+    """Name a quantity, with its joint (counted from 0) unless it is a quantity of the hub."""
     of_joint = f" of {loads.plan.array.parameters.joints[joint].name}" if quantity in JOINT_QUANTITIES else ""
     return f"{QUANTITIES[quantity].name}{of_joint}"
 
 
 def _forms(loads: Loads) -> str:
-    """State the peak pin force with the other contact laws, and between what it lies with all."""
+    """State the peak pin force with the other contact laws, and its range over all contact laws."""
     if not loads.forms:
         return "model form unknown, for no other contact law takes this array"
     told, means = [], [loads.figures["peak_force"][worst_joint(loads.figures["peak_force"])].mean]
@@ -92,7 +92,7 @@ def _forms(loads: Loads) -> str:
 
 
 def _what_changes(loads: Loads) -> str:
-    """State which parameters change what sizes the array."""
+    """State the parameters that change the sizing figures most."""
     found = loads.sensitivity
     if found.missing:
         return f"What changes the figures is not known: {found.missing} (--runs)."
@@ -111,11 +111,11 @@ def _what_changes(loads: Loads) -> str:
 
 
 def effect_text(effects: Effects, parameter: str) -> str:
-    """The effect of a parameter: a coefficient with its interval, or changes in per cent."""
+    """Format the effect of a parameter: a coefficient with its interval, or changes in per cent."""
     low, high = effects.low[parameter], effects.high[parameter]
     if math.isfinite(effects.explained):
         return f"{0.5 * (low + high):+.2f} \u00b1 {0.5 * (high - low):.2f}"
-    return ", ".join(f"{100.0 * end:+.2g} %" if math.isfinite(end) else "fails" for end in (low, high))
+    return ", ".join(f"{100.0 * end:+.2g} %" if math.isfinite(end) else "-" for end in (low, high))
 
 
 def sureness(effects: Effects) -> str:
@@ -126,7 +126,7 @@ def sureness(effects: Effects) -> str:
 
 
 def _stated(figure: Figure, quantity: Quantity) -> str:
-    """Mean with its interval, the high quantile and its bound, the model error."""
+    """State the mean with its interval, the high quantile with its bound, and the discretisation error."""
     parts, (quantile, bound), unit = [_with_interval(figure, quantity)], _quantiles(figure, quantity), quantity.unit
     if quantile != "-":
         parts.append(f"99 % of deployments stay below {quantile} {unit} (with 95 % confidence below {bound} {unit})")
@@ -140,7 +140,7 @@ def _with_interval(figure: Figure, quantity: Quantity) -> str:
 
 
 def _quantiles(figure: Figure, quantity: Quantity) -> tuple[str, str]:
-    """The high quantile and its bound, in the digits that their distance leaves them; "-" if they are not known."""
+    """Format the high quantile and its bound, with the digits that their distance leaves; "-" if they are unknown."""
     quantile, bound = quantity.scale * figure.quantile, quantity.scale * figure.quantile_bound
     return rounded(quantile, bound - quantile), rounded(bound, bound - quantile)
 
@@ -151,7 +151,7 @@ def _with_model_error(figure: Figure, quantity: Quantity) -> str:
 
 
 def _model_error(figure: Figure, quantity: Quantity) -> str:
-    """The model error with its interval; "-" where it is not known."""
+    """Format the discretisation error with its interval; "-" where it is unknown."""
     half = quantity.scale * figure.model_half_width
     if not math.isfinite(half):
         return "-"
@@ -160,7 +160,7 @@ def _model_error(figure: Figure, quantity: Quantity) -> str:
 
 
 def _basis(loads: Loads) -> str:
-    """State what the figures rest on, and what is missing."""
+    """State the runs and levels that the figures rest on, and the runs that are missing."""
     plan, (level, finest) = loads.plan, loads.plan.levels
     drawn = ", ".join(plan.array.randomize)
     runs = "1 run" if plan.members == 1 else f"{plan.members} runs"
@@ -193,7 +193,7 @@ def _basis(loads: Loads) -> str:
 
 
 def tables(loads: Loads) -> list[Table]:
-    """A table for each joint, one for the hub, and one of spectra."""
+    """Make a table for each joint, one for the hub, one of spectra, and one of sensitivities if these are known."""
     joints = loads.plan.array.parameters.joints
     spectra = {f"force of {joint.name} [N]": loads.hinge_spectrum[..., joint.index] for joint in joints}
     spectra["acceleration of the hub [m/s2]"] = loads.hub_spectrum
@@ -208,7 +208,7 @@ def tables(loads: Loads) -> list[Table]:
 
 
 def _changes(loads: Loads) -> Iterator[Table]:
-    """The parameters that change each figure most, at the joint where it is greatest."""
+    """Yield the table of the parameters that change each figure most, at the joint where the figure is greatest."""
     ranks = ("most", "then", "then")
     rows = []
     for name, by_joint in loads.sensitivity.effects.items():
@@ -226,7 +226,7 @@ def _changes(loads: Loads) -> Iterator[Table]:
 
 
 def _joint_rows(loads: Loads, joint: int) -> Iterator[list[str]]:
-    """Rows of a joint's figures; below the pin force, that of the other contact law."""
+    """Yield rows of a joint's figures; below the pin force come the pin forces with the other contact laws."""
     for name in JOINT_QUANTITIES:
         yield _row(QUANTITIES[name], loads.figures[name][joint])
         for contact, figures in loads.forms.items() if name == "peak_force" else ():

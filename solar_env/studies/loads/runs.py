@@ -1,4 +1,4 @@
-"""One deployment with its shocks: sampled finely from the first latching on, in pieces that fit the memory."""
+"""Simulation of a deployment with its shocks, sampled finely from the first latching on, in pieces that fit memory."""
 
 import math
 import warnings
@@ -20,42 +20,42 @@ from solar_env.studies.loads.shock_spectrum import ShockSpectrum
 
 Array = NDArray[np.float64]
 
-# Samples per second from the first latching on. Most contacts last a millisecond and more; at five times as many the
-# spectra are the same within 1 %.
+# Samples per second from the first latching on. Most contacts last a millisecond and more; at five times this rate
+# the spectra are the same within 1 %.
 RATE = 20_000
-EVERY = 20  # of them is kept, and taken before the latching: a millisecond
-FREQUENCIES = 5.0 * 2.0 ** (np.arange(52) / 6.0)  # Hz, of the spectra: six to an octave, up to a tenth of the rate
-_PIECE = 0.5  # s, simulated between two looks
-_CONTACTS = 100_000  # of a piece, at most
+EVERY = 20  # one sample in this number is kept, and taken before the latching: one per millisecond
+FREQUENCIES = 5.0 * 2.0 ** (np.arange(52) / 6.0)  # Hz; frequencies of spectra, six per octave up to 0.1 times the rate
+_PIECE = 0.5  # s; time simulated between two looks
+_CONTACTS = 100_000  # greatest number of contacts in a piece
 
 
 @dataclass(frozen=True)
 class Deployment:
     """A deployment up to some time after the last latching; peaks on the hub are means over 50 microseconds."""
 
-    trajectory: Trajectory  # with a sample every millisecond
-    place: Array  # (nt, 3) of the hub's centroid [m] and its angle [rad]
-    velocity: Array  # (nt, 3) of the hub [m/s], [rad/s]
+    trajectory: Trajectory  # trajectory with a sample every millisecond
+    place: Array  # (nt, 3) place of the hub's centroid [m] and angle of the hub [rad]
+    velocity: Array  # (nt, 3) velocity of the hub's centroid [m/s] and spin of the hub [rad/s]
     hub_loads: Array  # (nt - 1, 3) mean force [N] and torque [N m] on the hub between the samples
-    peak_torque: Array  # (joints,) of all torques of the hinge together, which bend the panel's root [N m]
+    peak_torque: Array  # (joints,) greatest sum of a hinge's torques, which bend the panel's root [N m]
     hub_peaks: Array  # greatest force [N], torque [N m] and acceleration [m/s2] of the hub
     hub_greatest: Array  # (nt - 1, 2) greatest force [N] and torque [N m] on the hub between samples
     hinge_spectrum: Array  # (f, joints) shock response spectra of the hinges' forces [N]
-    hub_spectrum: Array  # (f,) of the acceleration of the hub's centroid [m/s2]
-    warnings: tuple[str, ...]  # what the simulator said
+    hub_spectrum: Array  # (f,) shock response spectrum of the acceleration of the hub's centroid [m/s2]
+    warnings: tuple[str, ...]  # warnings of the simulator
 
 
 def member_parameters(parameters: ArrayParameters, ranges: Ranges, member: int) -> ArrayParameters:
-    """The array of a member: its ranges drawn, its joints released at slightly different rates; 0 is the nominal."""
+    """Return a member's array, with values drawn from the ranges and perturbed release rates; member 0 is nominal."""
     if member > 0:
         parameters = parameters.with_changes(drawn(ranges, np.random.default_rng([member, 2])))
     return perturbed(parameters, member)
 
 
 def deploy(level: Level, parameters: ArrayParameters, member: int, window: float, deadline: float) -> Deployment:
-    """Simulate an array until `window` [s] after its last latching, or to the deadline [s] if a joint is open then.
+    """Simulate an array until `window` [s] after its last latching, or to the deadline [s] if a joint is still open.
 
-    The member chooses the tolerance of the integrator.
+    The tolerance of the integrator depends on the member.
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
@@ -79,7 +79,7 @@ def deploy(level: Level, parameters: ArrayParameters, member: int, window: float
 
 
 class _Run:
-    """A simulation in progress, and what has been seen of it."""
+    """A simulation in progress, with the samples, contacts and peaks seen so far."""
 
     def __init__(self, simulation: Simulation, parameters: ArrayParameters) -> None:
         self.simulation, self._parameters = simulation, parameters
@@ -87,10 +87,10 @@ class _Run:
         self._columns = sample_columns(simulation.model, simulation.state)
         self._samples: list[Array] = []
         self._contacts: list[Array] = []
-        self._tick = 0  # of the next sample, in samples of RATE
+        self._tick = 0  # time of the next sample, in samples of RATE
         self._last_velocity: Array | None = None
         self._last_tick = 0
-        # Piece by piece: milliseconds, and the greatest force and torque in each.
+        # Piece by piece: milliseconds, and the greatest force and torque in each millisecond.
         self._hub_loads: list[tuple[NDArray[np.int64], Array]] = []
         self.peak_torque = np.zeros(joints)
         self.hub_peaks = np.zeros(3)
@@ -98,7 +98,7 @@ class _Run:
         self.hub_spectrum = ShockSpectrum(FREQUENCIES, RATE, 1)
 
     def go_on(self, window: float, deadline: float) -> None:
-        """Simulate: coarsely up to the piece in which a joint latches first, finely from there."""
+        """Simulate with coarse samples up to the piece in which a joint latches first, with fine samples from there."""
         simulation, joints = self.simulation, self.simulation.state.joints
         while simulation.time < deadline:
             before = simulation.snapshot()
@@ -125,7 +125,7 @@ class _Run:
         return recorder
 
     def _take(self, recorder: Recorder, stride: int) -> None:
-        """Look at the samples of a piece, and keep one every millisecond."""
+        """Update peaks and spectra from the samples of a piece, and keep one sample every millisecond."""
         self._contacts.append(recorder.contacts[: recorder.filled[1]].copy())
         table = recorder.samples
         if len(table) == 0:
@@ -157,7 +157,7 @@ class _Run:
         self._tick += len(table) * stride
 
     def hub_greatest(self) -> Array:
-        """(nt - 1, 2) greatest force [N] and torque [N m] on the hub from one sample kept to the next."""
+        """Return the (nt - 1, 2) greatest force [N] and torque [N m] on the hub from each kept sample to the next."""
         last = sum(map(len, self._samples)) - 1
         greatest = np.zeros((last, 2))
         for milliseconds, loads in self._hub_loads:
@@ -165,7 +165,7 @@ class _Run:
         return greatest
 
     def trajectory(self, model: str) -> Trajectory:
-        """The run as a trajectory."""
+        """Assemble the trajectory of the run."""
         integrator = self.simulation.integrator.name
         details = {"model": model, "parameters": self._parameters.to_dict(), "integrator": integrator}
         samples, state = np.concatenate(self._samples), self.simulation.state

@@ -1,8 +1,8 @@
-"""Sensitivity: which parameter changes which figure, and by how much.
+"""Sensitivity of figures to parameters.
 
-Where a file says between what its parameters lie, the figures of the members are regressed on the parameters drawn for
-them: the standardised coefficients are those of A. Saltelli et al., "Global Sensitivity Analysis: The Primer" (2008),
-section 1.2.5, doi:10.1002/9780470725184. Else each parameter is shifted by a tenth, one at a time.
+Where a file gives ranges of its parameters, the figures of the members are regressed on the parameters drawn for
+them. The standardised coefficients follow A. Saltelli et al., "Global Sensitivity Analysis: The Primer" (2008),
+section 1.2.5, doi:10.1002/9780470725184. Otherwise each parameter is shifted by a tenth, one at a time.
 """
 
 import contextlib
@@ -21,12 +21,12 @@ from solar_env.array.parameters.ranges import Ranges
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 
 Array = NDArray[np.float64]
-Shift = tuple[str, float]  # a parameter, and what it is multiplied by
-Result = Mapping[str, Any]  # of a run: its quantities, or why it failed
+Shift = tuple[str, float]  # a parameter and its factor
+Result = Mapping[str, Any]  # result of a run: its quantities, or its failure
 
-SHARE = 0.1  # by which a parameter is shifted
+SHARE = 0.1  # share of a parameter by which it is shifted
 _CONFIDENCE = 0.95
-_LEAST = 0.01  # standardised coefficient that is told
+_LEAST = 0.01  # least standardised coefficient that is told
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class Effects:
 
     Attributes:
         low, high: by parameter. One at a time: the figure's relative change where the parameter is smaller and greater
-            by SHARE; nan where that run was refused, failed or did not latch. Of a regression: standardised
-            coefficient, low and high end of its 95 % interval.
-        noise: change that is none: within the scatter of two runs alike; 0 of a regression.
+            by SHARE; nan where that run was refused, failed or did not latch. For a regression: low and high end of
+            the standardised coefficient's 95 % interval.
+        noise: change up to which two runs alike may differ by scatter; 0 for a regression.
         explained: share of the variance that a regression explains, adjusted for the number of parameters; else nan.
     """
 
@@ -48,7 +48,7 @@ class Effects:
 
     @property
     def ranking(self) -> list[str]:
-        """The parameters whose effect is no noise, the greatest first."""
+        """The parameters whose effect exceeds the noise, the greatest effect first."""
         size = {name: np.nanmax(np.abs([self.low[name], self.high[name], 0.0])) for name in self.low}
         if np.isfinite(self.explained):
             told = [name for name in size if self.low[name] * self.high[name] > 0.0 and size[name] > _LEAST]
@@ -58,18 +58,18 @@ class Effects:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Effects by quantity and joint; empty where too few runs tell of them."""
+    """Effects by quantity and joint; empty if there are too few runs, or the nominal run failed."""
 
-    drawn: bool  # whether from the draws, and not one at a time
+    drawn: bool  # true for a regression on drawn parameters, false for one at a time
     effects: Mapping[str, tuple[Effects, ...]]
-    missing: str = ""  # why there are none
+    missing: str = ""  # reason why there are no effects
 
 
 def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayParameters]:
-    """Arrays with one continuous parameter greater or smaller by SHARE, of all joints alike, and the nominal one.
+    """Return the nominal array (None), and arrays with one continuous parameter shifted by SHARE, at all joints alike.
 
-    Those that are refused, or change nothing in the model, are left out, as are parameters of 0, of which no share is
-    known.
+    Shifts that are refused, or change nothing in the model, are left out. So are parameters that are 0, since a share
+    of 0 is no shift.
     """
     nominal = build(parameters, model)
     found: dict[Shift | None, ArrayParameters] = {None: parameters}
@@ -80,7 +80,7 @@ def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayP
         for factor in (1.0 - SHARE, 1.0 + SHARE):
             shifted = tuple(factor * entry for entry in entries) if len(entries) > 1 else factor * entries[0]
             with contextlib.suppress(ValueError), warnings.catch_warnings():
-                warnings.simplefilter("ignore", SimulationWarning)  # of values that are only tried
+                warnings.simplefilter("ignore", SimulationWarning)  # warnings about values that are only tried
                 changed = parameters.with_changes({name: shifted})
                 if build(changed, model) != nominal:
                     found[name, factor] = changed
@@ -88,7 +88,7 @@ def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayP
 
 
 def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array]) -> Sensitivity:
-    """Effects of shifts, from runs of the nominal array (None) and of shifted ones.
+    """Return the effects of shifts, from runs of the nominal array (None) and of shifted arrays.
 
     Args:
         runs: Result by shift.
@@ -127,12 +127,12 @@ def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array
 
 
 def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mapping[str, Array]) -> Sensitivity:
-    """Effects of parameters drawn from ranges on quantities.
+    """Return the effects of parameters drawn from ranges on quantities.
 
     Args:
-        ranges: What was drawn.
+        ranges: Ranges of the parameters drawn.
         members: The arrays drawn.
-        values: (members, joints) of each quantity; nan where a member does not tell.
+        values: (members, joints) values of each quantity; nan where a member does not tell.
     """
     columns: dict[str, Array] = {}
     for name, (low, _) in ranges.items():
@@ -148,7 +148,7 @@ def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mappi
 
 
 def _regressed(columns: Mapping[str, Array], y: Array) -> Effects:
-    """Standardised coefficients of an ordinary least-squares fit, with their intervals."""
+    """Return the standardised coefficients of an ordinary least-squares fit, with their intervals."""
     known = np.isfinite(y)
     count, freedom = int(known.sum()), int(known.sum()) - len(columns) - 1
     unknown = dict.fromkeys(columns, np.nan)

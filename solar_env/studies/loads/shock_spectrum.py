@@ -1,9 +1,9 @@
 """Shock response spectra by the ramp-invariant filter of D. O. Smallwood, "An improved recursive formula for
 calculating shock response spectra", Shock and Vibration Bulletin 51 (1981) 211-217.
 
-A shock response spectrum is the greatest response of an oscillator to a history, over the oscillator's natural
-frequency. For the acceleration of a base it is the greatest acceleration of a mass mounted on it, for a force on the
-mass the greatest force that the mount passes on: both have the same transfer function.
+A shock response spectrum is the greatest response of an oscillator to a history, as a function of the oscillator's
+natural frequency. For a base's acceleration it is the greatest acceleration of a mass mounted on the base; for a force
+on the mass, the greatest force that the mount passes on. Both have the same transfer function.
 """
 
 import math
@@ -18,10 +18,10 @@ QUALITY = 10.0  # 5 % of critical damping, as is usual in specifications of shoc
 
 
 def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALITY) -> tuple[Array, Array]:
-    """Numerator and denominator (3,) of the digital filter from a history to an oscillator's response.
+    """Return the numerator and denominator (3,) of the digital filter from a history to an oscillator's response.
 
-    Exact for histories that are straight between their samples, of which `rate` come per second. The frequency [Hz] is
-    that without damping, the quality 1 / (2 * damping ratio).
+    The filter is exact for histories that are straight between their samples, `rate` per second. `frequency` [Hz] is
+    the undamped natural frequency, `quality` 1 / (2 * damping ratio).
     """
     step, damping, omega = 1.0 / rate, 0.5 / quality, 2.0 * math.pi * frequency
     e = math.exp(-damping * omega * step)
@@ -31,7 +31,7 @@ def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALIT
 
 
 class ShockSpectrum:
-    """The greatest response to histories of vectors in the plane, one a channel, that come piece by piece.
+    """The greatest response to histories of vectors in the plane, one per channel, that come piece by piece.
 
     The natural frequencies (f,) [Hz] lie below half the rate of the samples.
     """
@@ -43,12 +43,12 @@ class ShockSpectrum:
         self.peaks = np.zeros((len(frequencies), channels))
 
     def add(self, history: Array) -> None:
-        """Go on with the next samples (n, channels, 2), of which there is one or more; the response begins at rest."""
+        """Go on with the next n >= 1 samples (n, channels, 2); the response begins at rest."""
         for k in range(len(self._filters)):
             self._add(k, history)
 
     def finish(self) -> Array:
-        """(f, channels) greatest magnitudes of the response's vector, those of one more period at no load included."""
+        """Go on for one period at no load, and return the (f, channels) greatest magnitudes of the response vector."""
         for k, period in enumerate(self._periods):
             self._add(k, np.zeros((period, *self.peaks.shape[1:], 2)))
         return self.peaks

@@ -1,4 +1,4 @@
-"""Figures of an array before it is run: the torque that its hinges have left, and its frequencies when deployed."""
+"""Figures of an array before any run: the torque margins of its hinges, and its frequencies when deployed."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters
+from solar_env.array import ArrayParameters, ParameterFile
 from solar_env.array.construction import build_deployed
-from solar_env.array.motorization import FACTORS, MARGIN, motorization
+from solar_env.array.motorization import FACTORS, MARGIN, motorization, weakest
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.analysis.linearization import natural_modes
 from solar_env.mechanics.equations.build import compile_mechanism
 
-_LEVEL = "flexible-ideal:8 elements"  # whose first frequencies have all digits that are shown
-_RIGID_MOTIONS = 3  # of an array whose hub is free
-_SHOWN = 3  # of each wing: mirrored ones have the same, with the hub held
+_LEVEL = "flexible-ideal:8 elements"  # level whose first frequencies are right in all digits shown
+_RIGID_MOTIONS = 3  # rigid motions of an array whose hub is free
+_SHOWN = 3  # modes shown per wing; with the hub held, mirrored wings have the same modes
 
 
 @dataclass(frozen=True)
@@ -25,9 +25,9 @@ class Modes:
     """First vibrations of the deployed array, latched without play.
 
     Attributes:
-        frequencies: [Hz].
-        axes: of every panel of the first wing, from its inner hinge to its end, deployed and in every mode at its
-            turning point (1 + modes, points, 2) [m]; a tenth of the wing's length is the greatest displacement.
+        frequencies: natural frequencies [Hz].
+        axes: (1 + modes, points, 2) axis of the first wing from its inner hinge to its end [m], deployed and in every
+            mode at its turning point; the greatest displacement is a tenth of the wing's length.
     """
 
     frequencies: Sequence[float]
@@ -36,7 +36,8 @@ class Modes:
 
 def first_modes(parameters: ArrayParameters, held: bool) -> Modes:
     """Compute the first modes of the deployed array, with its hub held or free."""
-    deployed = build_deployed(parameters.with_changes({"body_fixed": held, "initial_spin": 0.0}), _LEVEL)
+    at_rest = parameters.with_changes({"body_fixed": held, "initial_spin": 0.0, "gravity": 0.0})
+    deployed = build_deployed(at_rest, _LEVEL)
     first = 0 if held else _RIGID_MOTIONS
     frequencies, shapes = natural_modes(deployed)
     model, state = compile_mechanism(deployed)
@@ -54,24 +55,27 @@ def first_modes(parameters: ArrayParameters, held: bool) -> Modes:
     return Modes(frequencies[first : first + _SHOWN * parameters.wings].tolist(), np.array(axes))
 
 
-def statics(parameters: ArrayParameters, factors: Mapping[str, Any] | None = None) -> list[str]:
-    """State in two lines what the hinges' torques are beside those asked for, and the deployed array's frequencies.
+def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> list[str]:
+    """State in two lines the hinges' torques beside the required torques, and the deployed array's frequencies.
 
     Raises:
-        ValueError: As `motorization`.
+        ValueError: As in `motorization`.
     """
     used = {**FACTORS, **(factors or {})}
     counted = ", ".join(f"{name} {value:g}" for name, value in used.items())
-    found = motorization(parameters, factors)
-    hinges = "; ".join(map(str, found))
+    parameters = array.parameters
+    found = motorization(weakest(*array), factors)
+    told = {(hinge.ratio, hinge.stalls_at): str(hinge) for hinge in reversed(found)}  # mirrored hinges once
+    hinges = "; ".join(reversed(told.values()))
     if all(math.isinf(hinge.ratio[0]) for hinge in found):
         hinges = "no friction, harness or damper is given, and no hinge has anything to overcome"
+    loops = "with its cable loops " if len(found) > len(parameters.joints) else ""
     held, free = (
         ", ".join(dict.fromkeys(f"{frequency:.3g}" for frequency in first_modes(parameters, held).frequencies))
         for held in (True, False)
     )
     return [
-        f"Motorization: {hinges} ({MARGIN:g} times the resistances, with the uncertainty factors of ECSS-E-ST-33-01C: "
-        f"{counted}).",
-        f"Deployed and latched, the array vibrates at {held} Hz with its hub held, at {free} Hz with it free.",
+        f"Motorization: {hinges} (springs and resistances at the worst ends of what is drawn, {MARGIN:g} times the "
+        f"resistances, with the uncertainty factors of ECSS-E-ST-33-01C: {counted}; without the friction of the pins).",
+        f"Deployed and latched, {loops}the array vibrates at {held} Hz with its hub held, at {free} Hz with it free.",
     ]

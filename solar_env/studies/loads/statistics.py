@@ -1,7 +1,7 @@
-"""Figures of an ensemble: mean with its interval, a high quantile, the model's error, in as many digits as they have.
+"""Figures of an ensemble: mean with its interval, high quantile and model error, in as many digits as are certain.
 
-The high quantile is that of a lognormal distribution, as is usual for shock loads (NASA-HDBK-7005, "Dynamic
-environmental criteria", 2001, section 6), with its one-sided upper tolerance bound by the noncentral t distribution.
+The high quantile is a lognormal distribution's, as is usual for shock loads (NASA-HDBK-7005, "Dynamic environmental
+criteria", 2001, section 6), with its one-sided upper tolerance bound by the noncentral t distribution.
 """
 
 import math
@@ -20,15 +20,15 @@ QUANTILE, CONFIDENCE = 0.99, 0.95
 
 @dataclass(frozen=True)
 class Figure:
-    """A quantity over an ensemble; nan for what the runs do not tell."""
+    """Statistics of a quantity over an ensemble; nan where the runs do not tell."""
 
     mean: float
     low: float  # 95 % interval of the mean
     high: float
-    quantile: float  # 99 % of runs stay below
-    quantile_bound: float  # upper bound of that, with 95 % confidence
-    model_error: float  # mean of the finest level minus this one, over the same members
-    model_half_width: float  # half of the 95 % interval of that
+    quantile: float  # value that 99 % of runs stay below
+    quantile_bound: float  # upper bound of the quantile, with 95 % confidence
+    model_error: float  # mean of the finest level minus the mean of this level, over the same members
+    model_half_width: float  # half of the 95 % interval of the model error
     runs: int
 
     @property
@@ -38,7 +38,7 @@ class Figure:
 
 
 def figure_of(level: Array, finer: Array) -> Figure:
-    """The figure of a quantity, from its (n,) values at a level and at a finer one; members with nan do not count."""
+    """Return the figure of (n,) values at a level and at a finer level; members with nan do not count."""
     values, paired = (members[np.isfinite(members)] for members in (level, finer - level))
     error, low, high = _band(paired)
     return Figure(*_band(values), *high_quantile(values), error, 0.5 * (high - low), len(values))
@@ -50,9 +50,9 @@ def _band(values: Array) -> tuple[float, float, float]:
 
 
 def high_quantile(values: Array) -> tuple[float, float]:
-    """The 99 % quantile of a lognormal distribution of (n,) values, and its upper bound with 95 % confidence.
+    """Return the 99 % quantile of (n,) lognormal values, and the quantile's upper bound with 95 % confidence.
 
-    nan for both if there are fewer than FEWEST values, or one is not positive.
+    Both are nan if there are fewer than FEWEST values, or one is not positive.
     """
     count = len(values)
     if count < FEWEST or values.min() <= 0.0:
@@ -65,9 +65,9 @@ def high_quantile(values: Array) -> tuple[float, float]:
 
 
 def rounded(value: float, uncertainty: float) -> str:
-    """A value with the digits that an uncertainty leaves it: the last one shown is the first that is uncertain.
+    """Format a value with the digits that its uncertainty leaves: the last digit shown is the first uncertain one.
 
-    One more where the uncertainty begins with a 1, and one at least. Two digits where no uncertainty is known.
+    One digit more where the uncertainty begins with a 1, and at least one; two where the uncertainty is unknown.
     """
     if not (math.isfinite(value) and math.isfinite(uncertainty)) or value == 0.0:
         return shortened(value)
@@ -80,7 +80,7 @@ def rounded(value: float, uncertainty: float) -> str:
 
 
 def shortened(value: float, digits: int = 2) -> str:
-    """A figure with few digits."""
+    """Format a figure with few digits."""
     if not math.isfinite(value):
         return "-" if math.isnan(value) else "infinitely many"
     if value == 0.0 or 1e-4 <= abs(value) < 1e6:
@@ -89,5 +89,5 @@ def shortened(value: float, digits: int = 2) -> str:
 
 
 def counted(number: float) -> str:
-    """A great number in two digits, as in "17,000,000"."""
+    """Format a great number in two digits, as in "17,000,000"."""
     return f"{float(f'{number:.2g}'):,.0f}" if 1e4 <= number < 1e15 else shortened(number)

@@ -11,21 +11,21 @@ from solar_env.mechanics.running.simulation import simulate as simulate_mechanis
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.motion import Level, with_panels
 
-DURATION = 30.0  # s, of the deployments
+DURATION = 30.0  # s, duration of the deployments
 OUTPUT_STEP = 5e-3  # s
-MEMBERS = 6  # of an ensemble
+MEMBERS = 6  # members of an ensemble
 JOINTS = (0, 1)
 PANELS = "6 elements"  # absolute nodal coordinates, as the paper's
-# Of cases whose contact stiffness follows from Eq 40: the end of their names, and the beginning of their columns.
+# Cases whose contact stiffness follows from Eq 40: the ending of their names, and the prefix of their columns.
 EQ_40_CASE, EQ_40 = "-eq-40", "eq_40_"
 
 
-_SIZES = {1: (1e-4, 2e-4), 2: (2e-4, 1e-4)}  # m; the clearances of the paper's models 1 and 2 of their distribution
-# Deployments by name: the level of the model, and what differs from the `paper` preset.
+_SIZES = {1: (1e-4, 2e-4), 2: (2e-4, 1e-4)}  # m; clearances of both joints in the paper's distribution models 1 and 2
+# Deployments by name: the level of the model, and the parameters that differ from the `paper` preset.
 CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
     **{model: (model, {}) for model in MODELS},
     **{f"distribution-{n}": ("rigid-clearance", {"clearance": sizes}) for n, sizes in _SIZES.items()},
-    # The same with a contact stiffness by joint, as Eq 40 has it.
+    # The same with a contact stiffness by joint, from Eq 40.
     **{
         f"distribution-{n}{EQ_40_CASE}": ("rigid-clearance", {"clearance": sizes, "contact_stiffness": None})
         for n, sizes in _SIZES.items()
@@ -34,14 +34,14 @@ CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
 
 
 def is_flexible(case: str) -> bool:
-    """Whether the panels of a case bend."""
+    """Return whether the panels of a case bend."""
     return ModelLevel.of(CASES[case][0]).flexible
 
 
 # One member of an ensemble: all deployments by name.
 Member = Mapping[str, Trajectory]
 Value = float | str | None
-# Parameters with other values than those of the `paper` preset.
+# Parameters that differ from the `paper` preset, with their values.
 Changes = tuple[tuple[str, Value], ...]
 
 
@@ -61,14 +61,14 @@ def simulate_run(run: CaseRun) -> Trajectory:
     return Level(with_panels(model, PANELS)).deploy(parameters, run.member, DURATION, OUTPUT_STEP)
 
 
-# The four-bar linkage: the paper's data are not all published. Links of the default crank-rocker, 1 kg a metre; the
-# clearance and the contact law are those of the array's joints, with the sliding speed of the material points: that of
-# the joint's centres would have friction drive the crank. The axis of Fig 5, 2.00 to 2.08 s, is the 26th turn at 12.5
-# turns a second, which end with the 416,000 steps of 5e-6 s that the paper takes.
+# The four-bar linkage: the paper does not publish all its data. It has the links of the default crank-rocker, 1 kg per
+# metre, and the clearance and contact law of the array's joints. The sliding speed is the material points' speed: with
+# the joint centres' speed, friction would drive the crank. The axis of Fig 5, 2.00 to 2.08 s, is the 26th turn at 12.5
+# turns per second; this turn ends with the 416,000 steps of 5e-6 s that the paper takes.
 FOUR_BAR_PIN = "crank-coupler"
 FOUR_BAR_RATE = 2.0 * math.pi * 12.5  # rad/s
 FOUR_BAR_TURNS = (6, 16, 26)
-FOUR_BAR_WIDTH = 0.02  # m, of the bearing
+FOUR_BAR_WIDTH = 0.02  # m, width of the bearing
 SAMPLES_PER_TURN = 720
 
 

@@ -15,19 +15,19 @@ from solar_env.studies.paper.measures import both, joint_2_over_1, large_over_sm
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper as a figure that a run either has or has not.
+    """A statement of the paper, as a figure that must lie in an interval.
 
     Attributes:
         key: short name.
         statement: what the paper says, and the figure that is taken for it.
         paper: the paper's figure, or the relation that it states.
         cases: deployments that the figure is taken from.
-        measure: the figure, of one motion of each of `cases`, in their order.
-        low, high: where it agrees, both ends included.
-        unit: of the figure.
-        open_parameters: parameters that the paper leaves open and the figure hangs on; it is tested over their ranges.
-        why: if it differs: why.
-        by_construction: if a parameter that the paper leaves open has been chosen for it: which.
+        measure: function from one motion of each of `cases`, in their order, to the figure.
+        low, high: interval in which the figure agrees, both ends included.
+        unit: unit of the figure.
+        open_parameters: parameters that the paper leaves open and the figure depends on; their ranges are tested.
+        why: the reason, if the figure differs.
+        by_construction: parameters left open by the paper that have been chosen to meet the claim, if any.
     """
 
     key: str
@@ -44,25 +44,25 @@ class Claim:
 
     @property
     def on_flexible_panels(self) -> bool:
-        """Whether the figure is taken from panels that bend."""
+        """True if the figure is taken from panels that bend."""
         return any(map(is_flexible, self.cases))
 
     def value(self, motions: Mapping[str, Trajectory]) -> float:
-        """The figure, of the motions of a member of an ensemble by case."""
+        """Return the figure from the motions of an ensemble's member, given by case."""
         return self.measure(*(motions[case] for case in self.cases))
 
     def holds(self, value: float) -> bool:
-        """Whether a figure agrees with the paper."""
+        """Return whether a figure agrees with the paper."""
         return self.low <= value <= self.high
 
 
 def within(figure: float, share: float) -> tuple[float, float]:
-    """Interval of the figures that differ from one by at most a share of it."""
+    """Return the interval of the figures that differ from `figure` by at most the `share` of it."""
     return figure * (1.0 - share), figure * (1.0 + share)
 
 
 def above(limit: float) -> tuple[float, float]:
-    """Interval of the figures from a limit on."""
+    """Return the interval from a limit to infinity."""
     return limit, math.inf
 
 
@@ -71,7 +71,7 @@ FLEXIBLE_OVER_RIGID = (*FLEXIBLE, *RIGID)
 MODELS_1_2 = ("distribution-1", "distribution-2")
 MODEL_2_OVER_1 = ("distribution-2", "distribution-1")
 _OPEN = ("cable_stiffness", "latch_stiffness", "latch_damping", "latch_gap")
-# Of the models 1 and 2, whose clearances Eq 40 would have contacts of different stiffness for.
+# Open parameters of models 1 and 2: by Eq 40 their different clearances would have different contact stiffnesses.
 _OPEN_SIZES = (*_OPEN, "contact_stiffness")
 _OPEN_WEAR = ("friction_sliding", *_OPEN_SIZES)
 _HINGE = "hinge_y, cable_torque_ratio"

@@ -1,4 +1,4 @@
-"""The paper's figures with results: a row of `FIGURES` each, of a kind that knows its table, picture and conclusion."""
+"""The paper's figures with results: each is a row of `FIGURES`, of a kind with a table, a picture and a conclusion."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,15 +30,15 @@ from solar_env.studies.paper.kinds import (
     Wear,
 )
 
-PAPER_TURN = (2.00, 2.08)  # s; where the paper's axis of Fig 5 begins and ends
+PAPER_TURN = (2.00, 2.08)  # s; beginning and end of the time axis of the paper's Fig 5
 _TURN = 2.0 * math.pi / FOUR_BAR_RATE  # s
 
 
 class FourBar(PaperFigure):
-    """Crank moment and rocker speed of the four-bar linkage in the last turn; wear of its journal by three turns."""
+    """Crank moment and rocker speed of the four-bar linkage in the last turn; journal wear after FOUR_BAR_TURNS."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Its table, of the linkage with an ideal joint (0 turns) too; it needs no deployments."""
+        """Simulate the linkage, also with an ideal joint (0 turns), and return the table; no deployments are needed."""
         motions = {0: simulate_four_bar(1, with_clearance=False)}
         motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
         rows: list[Row] = []
@@ -72,13 +72,13 @@ class FourBar(PaperFigure):
 
 
 def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]:
-    """A curve over time [s] or an angle [deg]."""
+    """Return the rows of a curve against time [s] or an angle [deg]."""
     pairs = zip(places.tolist(), values.tolist(), strict=True)
     return [{"quantity": quantity, "turns": turns, "place": place, "value": value} for place, value in pairs]
 
 
 def _last_turn(motion: Trajectory) -> dict[str, Array]:
-    """The drive's mean moment [N m] over each sample of the last turn, and the rocker's speed in its middle [rad/s]."""
+    """Return the drive's mean moment [N m] and the rocker's mid speed [rad/s] between samples of the last turn."""
     work = motion.energies["external_work"][-SAMPLES_PER_TURN - 1 :]
     speed = motion.rates[-SAMPLES_PER_TURN - 1 :, -1]
     return {

@@ -1,7 +1,7 @@
 """Kinds of figures that the paper shows of its array: from trajectories to a table, and from a table to a picture.
 
-Pictures are drawn from the tables alone, panel for panel as the paper's. Angles are in radians, those round a bearing
-in degrees and paths in micrometres, as on its axes.
+Pictures are drawn from the tables alone, panel for panel as the paper's. As on the paper's axes, joint angles are in
+radians, angles round a bearing in degrees and paths in micrometres.
 """
 
 import itertools
@@ -27,14 +27,14 @@ from solar_env.support.files import save_figure
 
 Array = NDArray[np.float64]
 
-# s; forces are the greatest of windows of this length, for samples would miss impacts.
+# s; force curves show the greatest force in windows of this length, because samples would miss impacts.
 FORCE_WINDOW = 0.01
 PHASES = ("initial", "deployment", "after latching")
 JOINT_NUMBERS = (1, 2)  # as the columns of the tables count them
 SURFACES = {"bearing": "-", "journal": ":"}
-# Where the paper's axes end: Figs 20 and 21 [N], 22 and 23 [m].
+# Ends of the paper's axes: Figs 20 and 21 [N], 22 and 23 [m].
 PAPER_FORCE, PAPER_WEAR = 300.0, 7e-14
-# Beginnings of the columns of Figs 20 to 23, and the contact stiffness that they belong to.
+# Prefixes of the columns of Figs 20 to 23, and the contact stiffness that each belongs to.
 STIFFNESSES = (("", "stiffness of Table 1"), (EQ_40, "stiffness of Eq 40"))
 
 
@@ -43,11 +43,11 @@ class PaperFigure(ABC):
     """A figure of the paper.
 
     Attributes:
-        number: in the paper.
-        title: what it shows.
-        cases: names of the deployments that it needs; a second one is the first with the contact stiffness of Eq 40.
-        ensemble: whether it shows the median and the range of an ensemble; else the nominal run, as where impacts
-            strike at other times in every member.
+        number: number of the figure in the paper.
+        title: content of the figure.
+        cases: names of the deployments needed; a second one is the first with the contact stiffness of Eq 40.
+        ensemble: true for the median and the range of an ensemble. Otherwise the figure shows the nominal run, for
+            example where impacts strike at other times in every member.
     """
 
     number: int
@@ -58,7 +58,7 @@ class PaperFigure(ABC):
 
     @abstractmethod
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Its table, from the deployments of these members of the ensemble."""
+        """Return the figure's table, from the deployments of these members of the ensemble."""
 
     @abstractmethod
     def _draw(self, figure: Figure, table: Table) -> None:
@@ -66,22 +66,22 @@ class PaperFigure(ABC):
 
     @abstractmethod
     def _conclude(self, table: Table) -> str:
-        """Content of the table, in words."""
+        """State the conclusion from the table in words."""
 
     @property
     def stem(self) -> str:
-        """Name of its files, without the suffix."""
+        """Name of the figure's files, without the suffix."""
         return f"figure-{self.number:02d}"
 
     @property
     def heading(self) -> str:
-        """Number and title, and which runs it shows."""
+        """Number, title and the runs that the figure shows."""
         shown = f"median and range of {MEMBERS} runs" if self.ensemble else "nominal run"
         return f"Fig. {self.number}: {self.title}" + (f"; {shown}" if self.cases else "")
 
     @property
     def members(self) -> range:
-        """The members of the ensemble that it shows."""
+        """The members of the ensemble that the figure shows."""
         return range(MEMBERS if self.ensemble else 1)
 
     def draw(self, table: Table, path: Path) -> None:
@@ -97,7 +97,7 @@ class DeploymentFigure(PaperFigure):
     """A figure of deployments, whose table has a column for each quantity."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Its table, with nine digits: of an ensemble the medians, and beside them columns `_least` and `_greatest`."""
+        """Return the table, with nine digits; an ensemble's has medians, and columns `_least` and `_greatest`."""
         tables = [self._columns(member) for member in members]
         columns = tables[0]
         if self.ensemble:
@@ -112,7 +112,7 @@ class DeploymentFigure(PaperFigure):
 
     @abstractmethod
     def _columns(self, member: Member) -> dict[str, Array]:
-        """Columns of the table of a member."""
+        """Return the columns of a member's table."""
 
 
 class CaseFigure(DeploymentFigure):
@@ -124,7 +124,7 @@ class CaseFigure(DeploymentFigure):
 
     @abstractmethod
     def _of(self, motion: Trajectory) -> dict[str, Array]:
-        """Columns of a deployment."""
+        """Return the columns of a deployment."""
 
 
 def _by_joint(name: str, values: Array) -> dict[str, Array]:
@@ -137,7 +137,7 @@ def _finish_time(axis: Axes, table: Table, label: str) -> None:
 
 
 def _draw_median(axis: Axes, table: Table, place: str, name: str, colour: str, **look: Any) -> None:
-    """A curve of medians, and the range round it."""
+    """Draw a curve of medians, and the range round it."""
     places = table.column(place)
     axis.plot(places, table.column(name), color=colour, **look)
     least, greatest = (table.column(f"{name}_{end}") for end in ("least", "greatest"))
@@ -149,7 +149,7 @@ def _frame(axis: Axes, top: float) -> None:
 
 
 class Angles(CaseFigure):
-    """Joint angles; how far they still swing in the end."""
+    """Joint angles, and the ranges over which they still swing in the last 10 s."""
 
     ensemble = True
 
@@ -172,7 +172,7 @@ class Angles(CaseFigure):
 
 @dataclass(frozen=True)
 class JournalPath(CaseFigure):
-    """Path of the journal of a joint, counted from 0, in the three phases; when these change."""
+    """Path of the journal of a joint, counted from 0, in the three phases, and the times when the phases change."""
 
     joint: int
 
@@ -205,7 +205,7 @@ class JournalPath(CaseFigure):
 
 
 class ContactForces(CaseFigure):
-    """Greatest contact forces of short windows, joint by joint; of two cases side by side, in the paper's frame."""
+    """Greatest contact forces in short windows, joint by joint; two cases stand side by side, in the paper's frame."""
 
     column, label, unit = "force_{}_N", "contact force [N]", "N"
 
@@ -238,7 +238,7 @@ class ContactForces(CaseFigure):
 
 @dataclass(frozen=True)
 class Torques(ContactForces):
-    """Torques of a quantity of trajectories, joint by joint."""
+    """Torques, joint by joint: the trajectory's attribute `quantity`."""
 
     quantity: str
 
@@ -249,7 +249,7 @@ class Torques(ContactForces):
 
 
 class Wear(CaseFigure):
-    """Depths of wear round bearings and journals with both stiffnesses; where they are deepest."""
+    """Wear depths round bearings and journals with both contact stiffnesses, and the surface that is worn deepest."""
 
     ensemble = True
 
@@ -285,7 +285,7 @@ class Wear(CaseFigure):
 
 @dataclass(frozen=True)
 class Models(DeploymentFigure):
-    """A quantity of the four models, and how much they differ from the first in each phase."""
+    """A quantity of the four models, and the differences from the first model in each phase."""
 
     quantity: str
     unit: str

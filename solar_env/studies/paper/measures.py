@@ -1,6 +1,6 @@
-"""Figures that are taken for the paper's statements, each of the deployments that a claim names, in their order.
+"""Figures that measure the paper's statements, each from the deployments that a claim names, in their order.
 
-`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` turn figures of any motion into such ones.
+`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` make such figures from figures of motions.
 """
 
 import math
@@ -19,42 +19,42 @@ Figure = Callable[[Trajectory], float]
 FigureOfJoint = Callable[[Trajectory, int], float]
 Comparison = Callable[[Trajectory, Trajectory], float]
 
-LASTING = 0.05  # s; a contact that lasts so long is no impact: impacts last a millisecond, flights some milliseconds
-WINDOW = 0.25  # s; of the windows in which impacts and latch torques are compared
-TOUCH_TOLERANCE = 1e-6  # m; a journal that comes so near the wall touches it
+LASTING = 0.05  # s; a contact this long or longer is no impact: impacts last a millisecond, flights some milliseconds
+WINDOW = 0.25  # s; length of the windows in which impacts and latch torques are compared
+TOUCH_TOLERANCE = 1e-6  # m; a journal nearer to the wall than this touches it
 FIRST_PEAK = 0.4  # s; the first peak of a latch torque comes within this time of the latching
 LATE = 20.0  # s
-QUIET = (2.0, 12.5)  # s; of the deployment in which vibrations are compared, clear of the start and of the latching
-RUNNING_MEAN = 0.5  # s; what is slower is no vibration
-SLIDE = 0.1  # s; of the slide round the wall at latching
-LAGGING, LONGEST_LAG = 10.0, 1.0  # s; of the oscillations that are compared, and of their shift at most
+QUIET = (2.0, 12.5)  # s; times between which vibrations are compared, clear of the start and of the latching
+RUNNING_MEAN = 0.5  # s; slower motion is no vibration
+SLIDE = 0.1  # s; duration of the slide round the wall at latching
+LAGGING, LONGEST_LAG = 10.0, 1.0  # s; duration of the compared oscillations, and their greatest shift
 SETTLED = 0.25  # a lock torque has settled when it stays below this share of its greatest
 BURSTS = (15.74, 17.63, 20.59, 28.48, 29.33)  # s; when the paper's Fig 10 shows bursts of impacts
-LAST_BURSTS = 27.5  # s; the last two of them come after it
+LAST_BURSTS = 27.5  # s; the last two bursts come after it
 
 
 def ratio(figure: Figure) -> Comparison:
-    """A figure of a motion over that of a second one."""
+    """Make a comparison: a figure of a motion divided by the same figure of a second motion."""
     return lambda motion, reference: figure(motion) / figure(reference)
 
 
 def both(choose: Callable[[Iterable[float]], float], figure: Callable[..., float]) -> Callable[..., float]:
-    """A figure of one motion, or of several, from those of both joints."""
+    """Make a figure of one or several motions by `choose` from the figures of both joints."""
     return lambda *motions: choose(figure(*motions, joint=joint) for joint in JOINTS)
 
 
 def joint_2_over_1(figure: FigureOfJoint) -> Figure:
-    """A figure of joint 2 over that of joint 1."""
+    """Make a figure of a motion: the figure of joint 2 divided by the figure of joint 1."""
     return lambda motion: figure(motion, 1) / figure(motion, 0)
 
 
 def over_joints(choose: Callable[[Iterable[float]], float], figure: FigureOfJoint) -> Comparison:
-    """A figure of a motion over that of a second one, the smaller or the greater ratio of both joints."""
+    """Make a comparison: a figure of a motion divided by the same of a second one, by `choose` from both joints."""
     return lambda motion, reference: choose(figure(motion, joint) / figure(reference, joint) for joint in JOINTS)
 
 
 def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
-    """A figure of a joint with 0.2 mm over that with 0.1 mm, of the models 1 and 2 of the clearances.
+    """Make a comparison of distribution models 1 and 2: a joint's figure with 0.2 mm divided by that with 0.1 mm.
 
     Joint 1 has the larger clearance in model 2, joint 2 in model 1.
     """
@@ -62,34 +62,34 @@ def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
 
 
 def contacts_of(motion: Trajectory, joint: int) -> NDArray[np.void]:
-    """The contacts of a joint in the order of their starts; those under way end with the run."""
+    """Return the contacts of a joint in the order of their starts; contacts under way end with the run."""
     contacts = motion.contacts[motion.contacts["joint"] == joint].copy()
     contacts["end_s"] = np.where(np.isnan(contacts["end_s"]), motion.time[-1], contacts["end_s"])
     return contacts[np.argsort(contacts["start_s"], kind="stable")]
 
 
 def settled(motion: Trajectory, joint: int) -> float:
-    """When the initial impacts of a joint end [s]: at the first contact that lasts; nan if there is none."""
+    """Find the end of a joint's initial impacts [s]: the start of its first lasting contact, or nan without one."""
     contacts = contacts_of(motion, joint)
     lasting = contacts["start_s"][contacts["end_s"] - contacts["start_s"] >= LASTING]
     return float(lasting[0]) if len(lasting) else np.nan
 
 
 def contacts_in(motion: Trajectory, joint: int, phase: int) -> NDArray[np.void]:
-    """Contacts of a joint that start in a phase; the one that settles the joint counts with neither."""
+    """Return the contacts of a joint that start in a phase; the contact that settles the joint belongs to no phase."""
     contacts, first, latched = contacts_of(motion, joint), settled(motion, joint), motion.latch_times[joint]
     start = contacts["start_s"]
     return contacts[{1: start < first, 2: (start > first) & (start < latched), 3: start > latched}[phase]]
 
 
 def phase_of(motion: Trajectory, joint: int) -> NDArray[np.int64]:
-    """(nt,) phase of every sample: 1 initial, 2 deployment, 3 after latching."""
+    """Return the (nt,) phase of every sample: 1 initial, 2 deployment, 3 after latching."""
     changes = settled(motion, joint), motion.latch_times[joint]
     return 1 + np.sum([motion.time >= change for change in changes], axis=0)
 
 
 def greatest_force(motion: Trajectory, joint: int, edges: Array) -> Array:
-    """(k,) greatest contact force [N] in each of the windows between `edges` (k + 1,) [s].
+    """Return the (k,) greatest contact force [N] in each of the windows between `edges` (k + 1,) [s].
 
     Samples alone would miss the peaks of impacts, which last a millisecond.
     """
@@ -100,23 +100,23 @@ def greatest_force(motion: Trajectory, joint: int, edges: Array) -> Array:
 
 
 def greatest_torque(motion: Trajectory, joint: int, edges: Array) -> Array:
-    """(k,) greatest magnitude of the latch torque [N m] in each of the windows between `edges` (k + 1,) [s]."""
+    """Return the (k,) greatest latch torque magnitude [N m] in each of the windows between `edges` (k + 1,) [s]."""
     return _maxima(motion.time, np.abs(motion.latch_torque[:, joint]), edges)
 
 
 def windows_after_latching(motion: Trajectory) -> Array:
-    """Edges [s] of windows of WINDOW from the last latching to the end of the run."""
+    """Return the edges [s] of windows of WINDOW from the last latching to the end of the run."""
     return np.arange(float(np.nanmax(motion.latch_times)), motion.time[-1], WINDOW)
 
 
 def journal_angle(motion: Trajectory, joint: int) -> Array:
-    """(nt,) direction [rad] from the centre of the bearing to that of the journal, continuous; inertial axes."""
+    """Return the (nt,) continuous direction [rad] from the bearing's to the journal's centre, in inertial axes."""
     x, y = motion.eccentricity[:, joint].T
     return np.unwrap(np.arctan2(y, x))
 
 
 def _maxima(time: Array, values: Array, edges: Array) -> Array:
-    """(k,) greatest value in each window; zero in windows without any."""
+    """Return the (k,) greatest value in each window; zero in windows without values."""
     greatest = np.zeros(len(edges) - 1)
     place = np.searchsorted(edges, time, side="right") - 1
     inside = (place >= 0) & (place < len(greatest))
@@ -125,43 +125,43 @@ def _maxima(time: Array, values: Array, edges: Array) -> Array:
 
 
 def rank_correlation(a: Array, b: Array) -> float:
-    """Spearman's rank correlation of two signals: forces span decades."""
+    """Return Spearman's rank correlation of two signals, because forces span decades."""
     return float(spearmanr(a, b).statistic)
 
 
 def decay(motion: Trajectory, joint: int) -> float:
-    """Rank correlation of the initial impacts' speeds with time."""
+    """Return the rank correlation of the initial impacts' speeds with time."""
     initial = contacts_in(motion, joint, 1)
     return rank_correlation(initial["start_s"], initial["impact_speed"])
 
 
 def one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
-    """Length of the mean of the directions in which the journal touches: 1 for one side, 0 for both alike."""
+    """Return the length of the mean direction of the journal's touches: 1 for one side, 0 for both alike."""
     touching = (phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
     return float(np.abs(np.exp(1j * journal_angle(motion, joint)[touching]).mean()))
 
 
 def impacts(motion: Trajectory, joint: int, phase: int = 3) -> float:
-    """Number of contacts that start in a phase."""
+    """Return the number of contacts that start in a phase."""
     return float(len(contacts_in(motion, joint, phase)))
 
 
 def force_in_deployment(motion: Trajectory, joint: int) -> float:
-    """Greatest contact force of the deployment over that after latching."""
+    """Return the greatest contact force of the deployment divided by the greatest after latching."""
     quiet = motion.normal_force[phase_of(motion, joint) == 2, joint].max()
     return float(quiet / motion.postlock_peak_force[joint])
 
 
 def time_of_turning(motion: Trajectory, joint: int) -> float:
-    """When [s], in the lasting contact of the deployment, the journal is furthest up or down."""
+    """Find the time [s] in the lasting contact of the deployment when the journal is furthest up or down."""
     phase, height = phase_of(motion, joint), motion.eccentricity[:, joint, 1]
     return float(motion.time[np.where(phase == 2, np.abs(height), -1.0).argmax()])
 
 
 def slide(motion: Trajectory, joint: int) -> float:
-    """Angle [deg] by which the journal slides round the wall within SLIDE of the latching, as the paper sees it.
+    """Return the angle [deg] that the journal slides round the wall within SLIDE of the latching, as the paper sees it.
 
-    Its panels fold to the other side, so that it is mirrored: anticlockwise here is negative.
+    The paper's panels fold to the other side, so its view is mirrored: anticlockwise here is negative.
     """
     angle, start = journal_angle(motion, joint), float(motion.latch_times[joint])
     window = (motion.time >= start) & (motion.time <= start + SLIDE)
@@ -170,42 +170,42 @@ def slide(motion: Trajectory, joint: int) -> float:
 
 
 def median_peak(motion: Trajectory, joint: int) -> float:
-    """Median of the contacts' greatest forces after latching [N]."""
+    """Return the median of the contacts' greatest forces after latching [N]."""
     return float(np.median(contacts_in(motion, joint, 3)["peak_force"]))
 
 
 def window_forces(motion: Trajectory) -> Array:
-    """(2, windows) greatest contact forces after latching [N]."""
+    """Return the (2, windows) greatest contact forces [N] by joint and window after latching."""
     edges = windows_after_latching(motion)
     return np.stack([greatest_force(motion, joint, edges) for joint in JOINTS])
 
 
 def window_force(motion: Trajectory, joint: int) -> float:
-    """Mean over windows of 0.25 s after latching of the greatest contact force [N]: the height that an eye takes."""
+    """Return the mean greatest contact force [N] of windows of 0.25 s after latching: the height that an eye takes."""
     return float(window_forces(motion)[joint].mean())
 
 
 def bursts(motion: Trajectory) -> float:
-    """Rank correlation of forces and latch torques by windows."""
+    """Return the rank correlation of forces and latch torques by window."""
     edges = windows_after_latching(motion)
     torques = np.sum([greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
     return rank_correlation(window_forces(motion).max(axis=0), torques)
 
 
 def synchrony(motion: Trajectory) -> float:
-    """Rank correlation of both joints' forces by windows."""
+    """Return the rank correlation of both joints' forces by window."""
     return rank_correlation(*window_forces(motion))
 
 
 def burst_rank(motion: Trajectory) -> float:
-    """Mean rank, 0 to 1, of the greatest forces about the times of the paper's bursts among those of all windows."""
+    """Return the mean rank, 0 to 1, of the windows that contain the paper's bursts, among all by greatest force."""
     edges, forces = windows_after_latching(motion), window_forces(motion).max(axis=0)
     ranks = forces.argsort().argsort() / (len(forces) - 1)
     return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
 
 
 def late_bursts(motion: Trajectory) -> float:
-    """Greatest contact force after LAST_BURSTS over the greatest after latching, of both joints."""
+    """Return the greatest contact force of both joints after LAST_BURSTS divided by the greatest after latching."""
     edges = np.array([LAST_BURSTS, motion.time[-1]])
     return max(float(greatest_force(motion, joint, edges)[0]) for joint in JOINTS) / float(
         motion.postlock_peak_force.max()
@@ -213,40 +213,40 @@ def late_bursts(motion: Trajectory) -> float:
 
 
 def first_latch_torque(motion: Trajectory, joint: int) -> float:
-    """Greatest latch torque within FIRST_PEAK of the latching [N m]."""
+    """Return the greatest latch torque within FIRST_PEAK of the latching [N m]."""
     since = motion.time - motion.latch_times[joint]
     return float(np.abs(motion.latch_torque[(since >= 0.0) & (since <= FIRST_PEAK), joint]).max())
 
 
 def lock_torque(motion: Trajectory, joint: int) -> float:
-    """Greatest latch torque [N m]."""
+    """Return the greatest latch torque [N m]."""
     return float(np.abs(motion.latch_torque[:, joint]).max())
 
 
 def settling_time(motion: Trajectory, joint: int) -> float:
-    """Time [s] from the latching until the latch torque stays below a quarter of its greatest."""
+    """Return the time [s] from the latching until the latch torque stays below a quarter of its greatest value."""
     torque = np.abs(motion.latch_torque[:, joint])
     return float(motion.time[torque > SETTLED * torque.max()][-1] - motion.latch_times[joint])
 
 
 def engagements(motion: Trajectory) -> float:
-    """Number of times that the latches' torques set in, of both joints, as samples show them."""
+    """Count the times that the latch torques of both joints set in, as samples show them."""
     acting = motion.latch_torque[motion.time >= np.nanmin(motion.latch_times)] != 0.0
     return float((acting[1:] & ~acting[:-1]).sum())
 
 
 def cable_amplitude(motion: Trajectory, since: float = 0.0) -> float:
-    """Greatest cable torque from a time on [N m]."""
+    """Return the greatest cable torque [N m] from the time `since` [s] on."""
     return float(np.abs(motion.cable_torque[motion.time >= since]).max())
 
 
 def swing(motion: Trajectory, joint: int) -> float:
-    """Root mean square [rad] of the joint angle about its mean after the last latching."""
+    """Return the root mean square [rad] of the joint angle about its mean after the last latching."""
     return float(motion.angles[motion.time > np.nanmax(motion.latch_times), joint].std())
 
 
 def vibration(motion: Trajectory) -> float:
-    """Root mean square [rad/s] of the joint rates about their running mean, in the quiet part of the deployment."""
+    """Return the root mean square [rad/s] of the joint rates about their running mean, between the times QUIET."""
     width = round(RUNNING_MEAN / float(motion.time[1] - motion.time[0]))
     rates = motion.rates[(motion.time >= QUIET[0]) & (motion.time <= QUIET[1])]
     means = np.stack([np.convolve(rate, np.ones(width) / width, "valid") for rate in rates.T], axis=1)
@@ -255,10 +255,10 @@ def vibration(motion: Trajectory) -> float:
 
 
 def lag(reference: Trajectory, motion: Trajectory, joint: int) -> float:
-    """Time [s] by which the oscillation of a joint after latching lags that of a reference.
+    """Return the time [s] by which a joint's oscillation after latching lags the same oscillation of a reference.
 
-    The shift, within LONGEST_LAG, with the greatest cross-correlation of the angles over LAGGING from the last
-    latching of either; a parabola through the maximum and its neighbours places it between samples.
+    The lag is the shift within LONGEST_LAG with the greatest cross-correlation of the angles over LAGGING from the last
+    latching of each run. A parabola through the maximum and its neighbours places it between samples.
     """
     step = float(motion.time[1] - motion.time[0])
     signals, late = [], []
@@ -277,5 +277,5 @@ def lag(reference: Trajectory, motion: Trajectory, joint: int) -> float:
 
 
 def worst_wear(motion: Trajectory) -> float:
-    """Deepest bin of all [m]."""
+    """Return the depth [m] of the deepest wear bin of all joints."""
     return float(motion.wear_depth.max())

@@ -1,6 +1,6 @@
-"""Sets of what the paper leaves open, as a search found them: `identification-shortlist.csv`, `-front.csv`.
+"""Sets of the parameters that the paper leaves open, found by a search: `identification-shortlist.csv`, `-front.csv`.
 
-The search ended with commit d3d47ea, which has its program. What it found is on the page of this study.
+The search ended with commit d3d47ea, which has its program. The page of this study has its results.
 """
 
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from solar_env.studies.paper.cases import Changes, Value
 from solar_env.support.readme import STUDIES
 
 FOLDER = STUDIES / "paper"
-LATCH_DEPTH = 0.01  # rad; the tables have the latches' torque at this depth in place of their stiffness
+LATCH_DEPTH = 0.01  # rad; the tables have the latches' torque at this depth, not their stiffness
 _COLUMNS = (
     "hinge_y", "cable_torque_ratio", "cable_stiffness", "cable_preload_force", "latch_gap", "latch_exponent",
     "latch_damping", "latch_ramp_depth", "friction_speed_zero",
@@ -18,7 +18,7 @@ _COLUMNS = (
 
 
 def found_sets() -> dict[str, Changes]:
-    """Changes of the `paper` preset, by the names of the shortlist and "front 1", "front 2" and so on."""
+    """Return the changes of the `paper` preset by set: the shortlist's names, then "front 1", "front 2" and so on."""
     rows = {str(row["name"]): row for row in read_table(FOLDER / "identification-shortlist.csv").rows}
     front = read_table(FOLDER / "identification-front.csv").rows
     rows |= {f"front {number}": row for number, row in enumerate(front, start=1)}
@@ -29,7 +29,7 @@ def _changes(row: Mapping[str, Cell]) -> Changes:
     changes: dict[str, Value] = {name: number(row, name) for name in _COLUMNS}
     stiffness = number(row, "latch_torque") / LATCH_DEPTH ** number(row, "latch_exponent")
     full = number(row, "friction_speed_zero") * number(row, "friction_speed_ratio")
-    # The tables have four digits, which give back the round values that named sets were searched with.
+    # Rounding to the tables' four digits gives back the round values with which the named sets were searched.
     changes |= {"latch_stiffness": float(f"{stiffness:.4g}"), "friction_speed_full": float(f"{full:.4g}")}
     changes["friction_sliding"] = str(row["sliding"])
     if row["stiffness"] == "eq 40":

@@ -1,4 +1,4 @@
-"""Claims measured: over an ensemble, and over the ranges of parameters that the paper leaves open."""
+"""Measurement of claims over an ensemble, and over the ranges of parameters that the paper leaves open."""
 
 import json
 import math
@@ -13,16 +13,16 @@ from solar_env.studies.paper.cases import MEMBERS, CaseRun, Changes, Value, is_f
 from solar_env.studies.paper.claims import CLAIMS, Claim
 from solar_env.support.markdown import markdown_table
 
-# Of parameters that the paper leaves open, besides their defaults; and of the sliding speed, which wear hangs on.
+# Values beside the defaults: of parameters that the paper leaves open, and of the sliding speed that sets the wear.
 RANGES: Mapping[str, tuple[Value, ...]] = {
     "friction_sliding": ("centres", "places"),
     "cable_stiffness": (5.0, 10.0, 40.0, 80.0),
     "latch_stiffness": (300.0, 3e3, 1e4),
     "latch_damping": (1.0, 3.0, 30.0),
     "latch_gap": (0.003, 0.03),
-    "contact_stiffness": (None,),  # of Eq 40
+    "contact_stiffness": (None,),  # by Eq 40
 }
-# Members at each value; one where flexible panels, whose runs take long, are needed.
+# Members at each value; a single one where flexible panels are needed, whose runs take long.
 RANGE_MEMBERS = 3
 Motions = Mapping[CaseRun, Trajectory]
 
@@ -32,11 +32,11 @@ class Finding:
     """Verdict on a claim, with the figures it rests on.
 
     Attributes:
-        claim: what is judged.
-        median, least, greatest: of the figure over the ensemble.
+        claim: claim that is judged.
+        median, least, greatest: statistics of the figure over the ensemble.
         agreeing: share of the members in which the claim holds.
-        holds_for: by parameter that the paper leaves open, the values at which it holds; the default's included.
-        fails_for: the values at which it does not.
+        holds_for: by parameter that the paper leaves open, the values at which the claim holds; the default included.
+        fails_for: likewise, the values at which the claim fails.
     """
 
     claim: Claim
@@ -49,12 +49,12 @@ class Finding:
 
     @property
     def agrees(self) -> bool:
-        """Whether the claim holds for the median."""
+        """True if the claim holds for the median."""
         return self.claim.holds(self.median)
 
 
 def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[CaseRun]:
-    """All runs that the claims need, the longest first."""
+    """List all runs that the claims need, the longest first."""
     runs = [CaseRun(case, member) for claim in claims for case in claim.cases for member in range(members)]
     for claim in claims:
         for parameter in claim.open_parameters:
@@ -80,7 +80,7 @@ def judge(claim: Claim, motions: Motions) -> Finding:
         for value in RANGES[parameter]:
             varied = _figures(claim, motions, _range_members(claim), ((parameter, value),))
             found[value] = float(np.median(varied))
-        # Numbers in their order, then names and what Eq 40 gives.
+        # Numbers in their order, then names and None, by Eq 40.
         ordered = sorted(found, key=lambda value: (value if isinstance(value, float) else math.inf, str(value)))
         for values, holding in ((holds_for, True), (fails_for, False)):
             values[parameter] = [value for value in ordered if claim.holds(found[value]) == holding]
@@ -89,14 +89,14 @@ def judge(claim: Claim, motions: Motions) -> Finding:
 
 
 def _figures(claim: Claim, motions: Motions, members: Iterable[int], changes: Changes = ()) -> np.ndarray:
-    """The figure of every member, of the preset or with changes."""
+    """Return the figure of every member, with the preset or with changes of it."""
     return np.array(
         [claim.value({case: motions[CaseRun(case, member, changes)] for case in claim.cases}) for member in members]
     )
 
 
 def as_json(findings: Iterable[Finding]) -> str:
-    """The findings as JSON text; what is not finite becomes null."""
+    """Format the findings as JSON text; numbers that are not finite become null."""
     rows = []
     for one in findings:
         claim = one.claim
@@ -109,7 +109,7 @@ def as_json(findings: Iterable[Finding]) -> str:
 
 
 def summary(findings: Sequence[Finding]) -> str:
-    """How many claims agree, in a sentence."""
+    """State in a sentence how many claims agree."""
     free = [finding for finding in findings if not finding.claim.by_construction]
     agreeing = sum(finding.agrees for finding in free)
     chosen = len(findings) - len(free)
@@ -120,7 +120,7 @@ def summary(findings: Sequence[Finding]) -> str:
 
 
 def as_markdown(findings: Sequence[Finding]) -> str:
-    """The findings as a sentence and a table in Markdown."""
+    """Format the findings as a sentence and a table in Markdown."""
     columns = ("", "the paper says", "there", "here: median [least, greatest]", "agrees from, to", "")
     rows = []
     for one in findings:

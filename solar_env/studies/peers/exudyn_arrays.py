@@ -1,6 +1,6 @@
 """The array in Exudyn (J. Gerstmayr, Multibody Syst. Dyn. 60 (2024) 379, doi:10.1007/s11044-023-09937-1): the peer.
 
-Everything on the way of a force is a compiled object of the library, chosen for its speed:
+All parts that carry a force are compiled objects of the library, chosen for their speed:
 
 * rigid panels: bodies in the plane with three coordinates, springs and cable loop together as one linear stiffness
   matrix over their rotations;
@@ -23,7 +23,7 @@ from solar_env.studies.common.motion import Scene
 from solar_env.studies.peers.exudyn_parts import PeerArray, Value, items
 
 _FOLDED = (-math.pi / 2, math.pi / 2)  # directions of the folded panels [rad]
-# Of each joint: rotation of the outboard relative to the inboard side when folded [rad], sense of the joint angle.
+# By joint: rotation of the outboard relative to the inboard side when folded [rad], sense of the joint angle.
 _ROTATIONS = ((-math.pi / 2, 1.0), (math.pi, -1.0))
 
 
@@ -68,7 +68,7 @@ class RigidArray(PeerArray):
         return list(itertools.pairwise(turns))
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Joint angles [rad] from the turns of the three bodies."""
+        """Return the joint angles [rad] from the turns of the three bodies."""
         base, first, second = values
         return first - base, first - second
 
@@ -117,7 +117,7 @@ class TreeArray(PeerArray):
         return [(self.ground, marker) for marker in turned]
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Joint angles [rad] from those of the tree."""
+        """Return the joint angles [rad] from the coordinates of the tree's joints."""
         return values[0], -values[1]
 
 
@@ -172,14 +172,14 @@ class BeamArray(PeerArray):
         return [(self.ground, marker) for marker in rotations]
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Joint angles [rad] from the main body's turn, and the slopes (x, y) at the three ends of panels."""
+        """Return the joint angles [rad] from the main body's turn and the slopes (x, y) at three ends of panels."""
         turn, root_x, root_y, tip_x, tip_y, outer_x, outer_y = values
         first = np.arctan2(root_x, -root_y) - turn
         second = math.pi - np.arctan2(tip_x * outer_y - tip_y * outer_x, tip_x * outer_x + tip_y * outer_y)
         return first, np.where(second > 1.75 * math.pi, second - 2.0 * math.pi, second)
 
     def _torques(self, ends: Any, markers: list[tuple[int, int]]) -> list[int]:
-        """Springs between the slopes, and the cable loop; returns markers of the relative rotations."""
+        """Add the springs between the slopes and the cable loop; return the markers of the relative rotations."""
         p, system = self.p, self.system
         rotations = []
         for j, (folded, sense) in enumerate(_ROTATIONS):
@@ -207,7 +207,7 @@ class BeamArray(PeerArray):
         return rotations
 
     def _rotation(self, inner: Any, outer: Any, folded: float) -> int:
-        """Marker of the rotation of one (body, x, y) relative to another, from where it is folded."""
+        """Add a marker of the rotation of one (body, x, y) relative to another, counted from the folded angle."""
         data = items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1)
         marker = items.MarkerBodiesRelativeRotationCoordinate(
             bodyNumbers=[inner[0], outer[0]],
@@ -220,7 +220,7 @@ class BeamArray(PeerArray):
         return int(self.system.AddMarker(marker))
 
     def _belt(self, ends: Any) -> int:
-        """A massless body along the chord of the inner panel: pinned to its one end, sliding on its other."""
+        """Add a massless body along the inner panel's chord: pinned to one end of the panel, sliding on the other."""
         p, system = self.p, self.system
         speed, spin = self.release()[0]
         node = items.NodeRigidBody2D(

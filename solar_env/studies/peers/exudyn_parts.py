@@ -1,4 +1,4 @@
-"""Parts that all arrays in Exudyn share: main body, joints, torques, latches and what is recorded."""
+"""Parts that all arrays in Exudyn share: main body, joints, torques, latches and sensors."""
 
 import math
 from abc import ABC, abstractmethod
@@ -14,7 +14,7 @@ from solar_env.mechanics.mechanism import Stop
 from solar_env.studies.common.motion import Scene
 
 items = exudyn.itemInterface
-_SENSES = (1.0, -1.0)  # of the two joint angles as differences of the bodies' rotations
+_SENSES = (1.0, -1.0)  # senses of the two joint angles as differences of the bodies' rotations
 
 Value = Any  # a number or, where the library evaluates it, one of its symbols
 
@@ -23,12 +23,12 @@ class PeerArray(ABC):
     """An assembled array.
 
     Attributes:
-        scene, p: what it is the array of, and its parameters.
-        system: to be solved.
+        scene, p: the scene, and the scene's parameters.
+        system: system to be solved.
         watched: (node, coordinate, value at rest) of the coordinates that the joint angles follow from.
         sensors: node -> sensors of its coordinates and velocities.
         contacts: sensors of the joints' contact forces, empty without clearance or if not asked for.
-        latch_times: of the joints [s], nan while open; filled while the system is solved.
+        latch_times: latch times of the joints [s], nan while open; filled while the system is solved.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -48,29 +48,29 @@ class PeerArray(ABC):
 
     @abstractmethod
     def build(self) -> list[tuple[int, int]]:
-        """Add everything but the latches; returns the (marker, marker) coordinates that these act on."""
+        """Add all parts except the latches; return the (marker, marker) coordinates that the latches act on."""
 
     @abstractmethod
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Joint angles [rad] from the values of the watched coordinates."""
+        """Return the joint angles [rad] from the values of the watched coordinates."""
 
     def release(self) -> list[tuple[float, float]]:
-        """Speed along x of the inner end [m/s] and spin [rad/s] of each folded panel at t = 0."""
+        """Return the speed along x of the inner end [m/s] and spin [rad/s] of each folded panel at t = 0."""
         rates = [self.p.by_joint("initial_rate", j) for j in (0, 1)]
         return [(0.0, rates[0]), (self.panel.length * rates[0], rates[0] - rates[1])]
 
     def base(self) -> tuple[int, int]:
-        """Node and body of the main body."""
+        """Add the main body; return its node and body."""
         node = self.system.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, 0, 0]))
         body = items.ObjectRigidBody2D(mass=self.p.body_mass, inertia=self.p.body_inertia, nodeNumber=node)
         return node, self.system.AddObject(body)
 
     def point(self, body: int, x: float, y: float = 0.0) -> int:
-        """Marker of a body's point (x, y) in the body's frame [m]."""
+        """Add a marker at a body's point (x, y) in the body's frame [m]."""
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:
-        """Springs and cable loop: angles = to_angles @ coordinates, (2, n)."""
+        """Add the torques of springs and cable loop, with angles = to_angles @ coordinates, (2, n)."""
         p = self.p
         springs = [p.by_joint("spring_stiffness", j) for j in (0, 1)]
         relaxed = [p.by_joint("spring_preload_angle", j) for j in (0, 1)]
@@ -115,7 +115,7 @@ class PeerArray(ABC):
                 self.contacts.append(system.AddSensor(sensor))
 
     def watch(self, *coordinates: tuple[int, int, float]) -> None:
-        """Keep (node, coordinate, value at rest) and their rates, in the order that `angles` takes."""
+        """Record (node, coordinate, value at rest) and their rates, in the order that `angles` takes."""
         self.watched = list(coordinates)
         for node, _, _ in coordinates:
             if node not in self.sensors:
@@ -129,7 +129,7 @@ class PeerArray(ABC):
                 self.sensors[node] = place, rate
 
     def _add_latches(self, coordinates: list[tuple[int, int]]) -> None:
-        """Stops on (marker, marker) coordinates, engaged at the first step beyond the lock angle; ends the build."""
+        """Add latches on (marker, marker) coordinates, engaged at the first step past the lock angle; assemble."""
         system, latch_times, objects = self.system, self.latch_times, []
         locks = [joint.lock_angle for joint in self.p.joints]
         for j, pair in enumerate(coordinates):
@@ -167,7 +167,7 @@ class PeerArray(ABC):
 
 
 def _stop_expression(stop: Stop, lock: float) -> Callable[..., Value]:
-    """Torque of a two-sided stop round a locked coordinate, on the left-hand side of the equations."""
+    """Make the torque function of a two-sided stop round a locked coordinate, on the equations' left-hand side."""
     symbolic = exudyn.symbolic
 
     def one_side(depth: Value, closing_rate: Value) -> Value:

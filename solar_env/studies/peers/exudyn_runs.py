@@ -19,7 +19,7 @@ _STAGES = {"RK44": 4, "ExplicitMidpoint": 2}
 
 
 def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
-    """A scene with one of Exudyn's solvers on one thread, at a step [s].
+    """Simulate a scene with one of Exudyn's solvers on one thread, at a step [s].
 
     "generalized-alpha" (index 3) halves the step where Newton's iteration fails. "explicit", for rigid panels, is of
     fourth order on a kinematic tree with ideal joints, and of second order with clearance.
@@ -76,7 +76,7 @@ def _settings(scene: Scene, step: float) -> Any:
 
 
 def _angles(array: PeerArray) -> Array:
-    """(nt, 2) joint angles [rad] at the scene's sample times, by Hermite interpolation between the sensors' data."""
+    """Return the (nt, 2) joint angles [rad] at the scene's sample times, by Hermite interpolation of sensor data."""
     values = []
     for node, column, rest in array.watched:
         places, rates = (array.system.GetSensorStoredData(sensor) for sensor in array.sensors[node])
@@ -87,7 +87,7 @@ def _angles(array: PeerArray) -> Array:
 
 
 def _peak_forces(array: PeerArray) -> dict[str, Array]:
-    """Peak contact forces after the first latching, from samples at every step; empty if they were not asked for."""
+    """Return the peak contact forces after the first latching, from samples at every step; empty if not kept."""
     if not array.contacts:
         return {}
     latched = np.nanmin([*array.latch_times, math.inf])

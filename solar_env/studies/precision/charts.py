@@ -1,4 +1,4 @@
-"""Table of the studies of speed against accuracy; measuring them into tables, drawing from tables."""
+"""Table of the studies of speed against accuracy, with their measurement and drawing."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,8 +16,8 @@ from solar_env.studies.precision import convergence, side_by_side, work_precisio
 from solar_env.studies.precision.methods import METHODS, MISSING_PEER, peer_is_missing
 from solar_env.support.progress import counting_bar
 
-# A study has a table with its name. Its module has `runs`, a plan to jobs by key; `tabulate`, a plan and what came of
-# each job to the rows of the table; and `draw`, a table and a folder to the files drawn.
+# A study has a table with its name. Its module has the functions `runs`, from a plan to jobs by key; `tabulate`, from a
+# plan and the results by key to the table's rows; and `draw`, from a table and a folder to the files drawn.
 STUDIES: dict[str, ModuleType] = {
     "work-precision": work_precision,
     "convergence": convergence,
@@ -26,12 +26,12 @@ STUDIES: dict[str, ModuleType] = {
 
 
 def table_file(study: str) -> str:
-    """Name of the file that holds the table of a study."""
+    """Return the name of the file that holds a study's table."""
     return f"{study.replace('-', '_')}.csv"
 
 
 def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Console) -> None:
-    """Measure studies, in about an hour or `quick` in two minutes, and write their tables; runs follow each other."""
+    """Measure studies run by run, in about an hour or `quick` in two minutes, and write their tables."""
     plan = QUICK if quick else FULL
     if peer_is_missing():
         console.print(MISSING_PEER, highlight=False, markup=False, soft_wrap=True)
@@ -56,7 +56,7 @@ def warm_up(plan: ChartPlan) -> None:
 
 
 def draw(names: Sequence[str], tables: Path, figures: Path) -> list[Path]:
-    """Draw studies from the tables in one folder into another; returns the files."""
+    """Draw studies from the tables in one folder into another folder; return the files."""
     drawn: list[Path] = []
     for name in names:
         path = tables / table_file(name)

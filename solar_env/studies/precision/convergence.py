@@ -1,7 +1,7 @@
-"""Convergence of the panels: rigid ones, beams of 1 to 48 elements and 4 to 48 modes, their errors and costs.
+"""Convergence of the panels: errors and costs of rigid panels, beams of 1 to 48 elements, and 4 to 48 modes.
 
-With ideal joints a level is compared with the finest modal panels. With clearance motions are chaotic, and what can be
-compared are the means of ensembles, whose runs are released at slightly different rates, see `perturbed`.
+With ideal joints a level is compared with the finest modal panels. With clearance motions are chaotic, and only means
+of ensembles can be compared; their runs are released at slightly different rates, see `perturbed`.
 """
 
 import math
@@ -26,7 +26,7 @@ from solar_env.support.files import write_text
 from solar_env.support.markdown import markdown_table
 
 ERRORS = {**work_precision.ERRORS, "reaction_error": "error of peak reactions"}
-# Totals of a `Motion` whose means over an ensemble are compared: label, and how many of its units make one of theirs.
+# Totals of a `Motion` whose means over an ensemble are compared: label, and number of the label's units per SI unit.
 MEANS = {
     "peak_force_N": ("peak force [N]", 1.0),
     "sliding_work_J": ("sliding work [mJ]", 1e3),
@@ -35,14 +35,14 @@ MEANS = {
 }
 JOINTS = (1, 2)
 _BEYOND = 3.0  # standard errors that ten differences of equal means hardly ever exceed
-_BAND = 1.96  # standard errors on either side of a mean, for 95 %
+_BAND = 1.96  # standard errors on either side of a mean, for a 95 % band
 
 # Level, and the member of its ensemble with clearance; None for the run with ideal joints.
 Key = tuple[Ensemble, int | None]
 
 
 def family(level: Ensemble) -> str:
-    """Kind of the panels: "rigid", "elements" or "modes"."""
+    """Return the kind of the panels: "rigid", "elements" or "modes"."""
     return _level(level, "ideal").panels.unit or "rigid"
 
 
@@ -52,9 +52,9 @@ def _level(level: Ensemble, joint: str) -> Level:
 
 
 def runs(plan: ChartPlan) -> dict[Key, Job]:
-    """A deployment with ideal joints, and an ensemble with clearance, at every level.
+    """Make the jobs: a deployment with ideal joints, and an ensemble with clearance, at every level.
 
-    With clearance member by member, so that what disturbs the machine meets all levels alike.
+    Ensembles run member by member, so that disturbances of the machine meet all levels alike.
     """
     jobs: dict[Key, Job] = {}
     for member in (None, *range(max(level.members for level in plan.levels))):
@@ -70,13 +70,13 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
-    """A member of the ensemble of a scene at a level."""
+    """Simulate a member of the ensemble of a scene at a level."""
     parameters = perturbed(scene.parameters, member)
     return run_ours(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
 def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
-    """A row for every level: cost and errors with ideal joints, then means of its ensemble with clearance."""
+    """Make a row for every level: cost and errors with ideal joints, then means of its ensemble with clearance."""
     finest = [level for level in plan.levels if family(level) == MODES][-1]
     reference = results[finest, None].motion
     if reference is None:
@@ -100,7 +100,7 @@ def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
 
 
 def _means(ensemble: list[Measured]) -> Row:
-    """Number and median time of the runs that reached their end; means by statistic and joint, and standard errors."""
+    """Return number and median time of the completed runs, and means with standard errors by statistic and joint."""
     ended = [(result.wall, result.motion.totals) for result in ensemble if result.motion is not None]
     count = len(ended)
     row: Row = {"runs": count, "wall_s": float(np.median([wall for wall, _ in ended])) if ended else math.nan}
@@ -113,7 +113,7 @@ def _means(ensemble: list[Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Draw errors with ideal joints and means with clearance against wall time, and write both; returns the files."""
+    """Draw errors with ideal joints and means with clearance against wall time, and write both; return the files."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):
@@ -142,7 +142,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str) -> tuple[float, float]:
-    """Relative difference of the mean of one ensemble from that of another, and its standard error; nan if unknown."""
+    """Return the relative difference of the first mean from the second, and its standard error; nan if unknown."""
     (mean, error), (right, right_error) = (
         [number(row, name + end) for end in ("", "_error")] for row in (first, second)
     )
@@ -152,7 +152,7 @@ def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str)
 
 
 def conclusion(rows: Table) -> str:
-    """Whether the finest of beams and the finest of modes have the same means, and by how much they differ most."""
+    """State whether the finest beams and the finest modes have the same means, and their greatest difference."""
     beams, modes = (rows.where(family=kind).rows[-1] for kind in (ELEMENTS, MODES))
     found = [
         (*difference(beams, modes, f"{statistic}_{joint}"), f"{label.partition(' [')[0]} of joint {joint}")
@@ -170,7 +170,7 @@ def conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """The table in Markdown, and the conclusion."""
+    """Format the table and the conclusion in Markdown."""
     columns = ("level", "ideal joints: wall time [s]", *ERRORS.values(), "clearance: runs", "wall time [s]")
     lines = [
         [
@@ -191,13 +191,13 @@ def _page(rows: Table) -> str:
 
 
 def _mean(row: Mapping[str, Cell], statistic: str, joint: int) -> tuple[float, float]:
-    """Mean and standard error in the units of the label."""
+    """Return the mean and standard error in the units of the label."""
     mean, error = (number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
     return MEANS[statistic][1] * mean, MEANS[statistic][1] * error
 
 
 def _in_words(mean: float, error: float) -> str:
-    """Mean and, if it is known, its standard error, with as many digits as that allows."""
+    """Format a mean and, if known, its standard error, with as many digits as the error allows."""
     if not error > 0.0:
         return f"{mean:.3g}"
     digits = max(0, 1 - math.floor(math.log10(2.0 * error)))

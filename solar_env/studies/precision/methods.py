@@ -28,11 +28,11 @@ class Method:
     """A way to simulate a scene.
 
     Attributes:
-        setting: what is varied: "rtol" or "step" [s].
+        setting: quantity that is varied: "rtol" or "step" [s].
         program: scene and setting to motion; raises SimulationError if the run cannot go on.
-        settings: model -> values of the setting; a model that is not there is left out.
-        peer: whether it is Exudyn's.
-        panels: what the only flexible panels consist of that it takes, as "32 modes"; empty for those of the scene.
+        settings: model -> values of the setting; other models are left out.
+        peer: true if the method is Exudyn's.
+        panels: parts of the only flexible panels that the method takes, such as "32 modes"; empty for the scene's.
     """
 
     setting: str
@@ -43,29 +43,29 @@ class Method:
 
     @property
     def available(self) -> bool:
-        """Whether what the method needs is installed."""
+        """True if the program that the method needs is installed."""
         return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
-        """A scene with the method's panels."""
+        """Simulate a scene with the method's panels."""
         return self.program(self.scene(scene), setting)
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene with the method's panels."""
+        """Return the scene with the method's panels."""
         return replace(scene, model=with_panels(scene.model, self.panels)) if self.panels else scene
 
     def size(self, scene: Scene) -> str:
-        """Panels of a run in words: "rigid", "6 elements", "32 modes"."""
+        """Return the panels of a run in words: "rigid", "6 elements", "32 modes"."""
         return self.scene(scene).level.size
 
 
 def ours(make: Callable[[float], Integrator]) -> Program:
-    """A solver from one of the project's integrators, made from a setting."""
+    """Make a program from one of the project's integrators, made from a setting."""
     return lambda scene, setting: run_ours(scene, make(setting))
 
 
 def exudyn(solver: str) -> Program:
-    """A solver from one of Exudyn's, see `exudyn_runs`; loaded when it runs."""
+    """Make a program from one of Exudyn's solvers, see `exudyn_runs`; Exudyn is loaded when the program runs."""
 
     def solve(scene: Scene, setting: float) -> Motion:
         from solar_env.studies.peers.exudyn_runs import run_exudyn
@@ -130,7 +130,7 @@ METHODS: Mapping[str, Method] = {
     ),
 }
 
-# Method, and its two finest settings: the run that others are compared with, and the one that tells how sure it is.
+# Method, and its two finest settings: of the run that others are compared with, and of a run that tells its error.
 Reference = tuple[str, tuple[float, float]]
 REFERENCES: Mapping[str, tuple[Reference, ...]] = {
     _RIGID: (("runge-kutta", (1e-12, 1e-11)),),
@@ -142,5 +142,5 @@ REFERENCES: Mapping[str, tuple[Reference, ...]] = {
 
 
 def peer_is_missing() -> bool:
-    """Whether Exudyn's methods must be left out because it is not installed."""
+    """Return whether Exudyn is not installed, so that its methods must be left out."""
     return importlib.util.find_spec("exudyn") is None

@@ -1,8 +1,8 @@
 """Whole deployments side by side: default settings against the cheapest settings of Exudyn, at equal error.
 
-Errors are those of what the user gets, panels included. With flexible panels they are taken against beams of 24
-elements, the peer's kind of panels four times as fine as its, and against the peak forces of an ensemble of modal
-panels that neither modes nor tolerance change any more (`convergence`).
+Errors include the panels' errors, as the user gets them. With flexible panels angles and latch times are compared with
+beams of 24 elements, which are the peer's kind of panels but four times as fine. Peak forces are compared with an
+ensemble of modal panels that more modes or a tighter tolerance would not change (`convergence`).
 """
 
 import math
@@ -31,10 +31,10 @@ from solar_env.support.markdown import markdown_table
 Array = NDArray[np.float64]
 
 DEFAULT = "default settings"
-_LONG_RUN = 60.0  # s
+_LONG_RUN = 60.0  # s; time beyond which a run is not repeated
 Entry = tuple[str, float]
 
-# Method and setting: looser and tighter tolerances of ours; the peer at its leanest.
+# Methods and settings: ours at looser and tighter tolerances, the peer at its leanest.
 OURS: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 5e-10)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
@@ -47,7 +47,7 @@ PEER: dict[str, tuple[Entry, ...]] = {
     "flexible-ideal": (("Exudyn generalized-alpha", 5e-3), ("Exudyn generalized-alpha", 1e-3)),
     "flexible-clearance": (("Exudyn generalized-alpha", 5e-4), ("Exudyn generalized-alpha", 1e-4)),
 }
-# Of angles and latch times; of peak forces, by ensembles.
+# References of angles and latch times, and then of peak forces, by ensembles.
 REFERENCES: dict[str, Entry] = {
     "rigid-ideal": ("runge-kutta", 1e-12),
     "rigid-clearance": ("runge-kutta", 1e-11),
@@ -71,10 +71,10 @@ class Case:
 
     Attributes:
         model: one of `array.MODELS`.
-        method: name of a method, DEFAULT, or what others are compared with.
-        value: of its setting.
-        member: of its ensemble; the nominal run is timed.
-        watched: whether the peer is to keep its contact forces, at every step, which costs time.
+        method: name of a method or DEFAULT; _REFERENCE or _ENSEMBLE for runs that others are compared with.
+        value: value of the method's setting.
+        member: member of the ensemble; the nominal run is timed.
+        watched: true if the peer keeps its contact forces, at every step, which costs time.
     """
 
     model: str
@@ -101,7 +101,7 @@ def _job(plan: ChartPlan, case: Case) -> Job:
 
 
 def runs(plan: ChartPlan) -> dict[Case, Job]:
-    """Whole deployments; with clearance also ensembles of ours, and the peer's with its forces kept."""
+    """Make the jobs: whole deployments; with clearance also our ensembles, and the peer's runs with forces kept."""
     cases: list[Case] = []
     for model in plan.models:
         ours = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OURS[model])]
@@ -116,7 +116,7 @@ def runs(plan: ChartPlan) -> dict[Case, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
-    """Cost and errors of every method and setting."""
+    """Make a row of cost and errors for every method and setting."""
     rows: list[Row] = []
     for case, result in results.items():
         if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE):
@@ -139,7 +139,7 @@ def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
 
 
 def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
-    """(members, joints) peak forces after the latching [N] of the runs of a method at a setting that tell them."""
+    """Return the (members, joints) peak forces after latching [N] of a case's runs that keep them."""
     peaks = [
         result.motion.totals["peak_force_N"]
         for of, result in results.items()
@@ -150,11 +150,11 @@ def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
 
 
 def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
-    """Mean peak forces over those of the converged ensemble, and their standard errors; nan if there are none."""
+    """Return mean peak forces divided by the converged ensemble's, and their standard errors; nan if unknown."""
     means, errors = np.full(2, math.nan), np.full(2, math.nan)
     forces, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
     if len(forces) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
-        # A single run of the peer is taken to scatter as those of the converged ensemble do.
+        # Assume that a single run of the peer scatters like the runs of the converged ensemble.
         shares = [
             (of.std(axis=0, ddof=1) if len(of) > 1 else right.std(axis=0, ddof=1)) / math.sqrt(len(of))
             for of in (forces, right)
@@ -166,7 +166,7 @@ def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Draw wall time against the error of angles, a column for each model, and write the table; returns the files."""
+    """Draw wall time against the error of angles, a column for each model, and write the table; return the files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
     figure, axes = make_figure(1, len(models), (2.15, 2.1), len(looks))
@@ -182,7 +182,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
-    """The peer's wall time over that of our cheapest run whose errors are no larger; nan if there is none."""
+    """Return the peer's wall time divided by our cheapest run's with no larger errors; nan without such a run."""
     walls = [
         number(row, "wall_s")
         for row in rows.where(model=peer["model"], peer=0).rows
@@ -192,7 +192,7 @@ def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """By how much a peer's setting takes longer on each model, at the least."""
+    """State for each model the least factor by which the peer's settings take longer."""
     least: dict[str, float] = {}
     for row in rows.where(peer=1).rows:
         ratio = ratio_at_equal_error(rows, row)

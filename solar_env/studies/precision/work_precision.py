@@ -1,8 +1,8 @@
-"""Work against precision: every method at every setting, its error against a reference, and what it cost.
+"""Work against precision: the cost of every method at every setting, and its error against a reference.
 
-Errors are those of the method, not of the panels: every run is compared with the finest run on the same panels. The
-deviation of the next finer one from it is the floor below which an error says nothing. With clearance the floor is what
-chaos leaves: see `convergence`, also for errors of the panels.
+Errors are the method's, not the panels': every run is compared with the finest run on the same panels. The deviation
+of the second finest run from the finest is the floor, below which an error says nothing. With clearance chaos sets the
+floor: see `convergence`, also for errors of the panels.
 """
 
 import math
@@ -35,11 +35,11 @@ ERROR = "angle_error_rad"
 GOAL = 1e-4  # error that the conclusion asks for [rad]
 # Errors closer to the floor than this factor follow no order.
 _ABOVE_FLOOR = 10.0
-_FITTED = 3  # settings
+_FITTED = 3  # number of settings to which an order is fitted
 
 
 def runs(plan: ChartPlan) -> dict[Key, Job]:
-    """Every method at every setting on every model, the reference runs included."""
+    """Make the jobs: every method at every setting on every model, the reference runs included."""
     jobs: dict[Key, Job] = {}
     for model in plan.models:
         chosen = [
@@ -57,7 +57,7 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
-    """A row for every method at every setting, with the floor of its model and panels."""
+    """Make a row for every method at every setting, with the floor of its model and panels."""
     by_panels: dict[tuple[str, str], tuple[Motion, float]] = {}
     for model in plan.models:
         for name, values in REFERENCES[model]:
@@ -87,7 +87,7 @@ def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
 
 
 def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
-    """Errors of a run, of angles before the latch and of latch times; nan if it did not reach its end."""
+    """Return a run's errors of angles before the latch and of latch times; nan if the run did not reach its end."""
     if motion is None:
         return dict.fromkeys(ERRORS, math.nan)
     return {
@@ -97,7 +97,7 @@ def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Draw a column for each model and a row for each cost, and write the table in Markdown; returns the files."""
+    """Draw a column for each model and a row for each cost, and write the table in Markdown; return the files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
     figure, axes = make_figure(len(COSTS), len(models), (max(2.15, 6.4 / len(models)), 1.9), len(looks))
@@ -119,7 +119,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def draw_curves(axis: Axes, rows: Table, error: str, cost: str, looks: Mapping[str, Look], by: str = "method") -> None:
-    """A column of costs against one of errors, a curve for each value of the column `by`, on logarithmic axes."""
+    """Draw costs against errors from two columns, a curve for each value of the column `by`, on logarithmic axes."""
     axis.set(xscale="log", yscale="log")
     for name in rows.values(by):
         curve = rows.where(**{by: name})
@@ -131,16 +131,16 @@ def draw_curves(axis: Axes, rows: Table, error: str, cost: str, looks: Mapping[s
 
 
 def cheapest(rows: Table) -> Mapping[str, Cell] | None:
-    """The row of least wall time among those whose error is within the goal; None if there is none."""
+    """Return the row of least wall time with an error within the goal; None if no error is within the goal."""
     within = [row for row in rows.rows if 0.0 < number(row, ERROR) <= GOAL]
     return min(within, key=lambda row: number(row, "wall_s"), default=None)
 
 
 def order(rows: Table) -> float:
-    """Observed order of a method: exponent p of its errors, proportional to n^-p for n steps, or n evaluations.
+    """Return the observed order p of a method: its errors are proportional to n^-p for n steps, or n evaluations.
 
-    Fitted by least squares to the three finest settings whose errors are well above the floor. nan if there are fewer,
-    and with clearance, where impacts bound the errors.
+    The order is fitted by least squares to the three finest settings with errors well above the floor. It is nan if
+    there are fewer such settings, and with clearance, where impacts bound the errors.
     """
     steps, errors = rows.column("steps"), rows.column(ERROR)
     counts = np.where(np.isfinite(steps), steps, rows.column("evaluations"))
@@ -153,7 +153,7 @@ def order(rows: Table) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """The cheapest method of each model within the goal."""
+    """State the cheapest method of each model within the goal."""
     best: dict[str, list[str]] = {}
     for model in rows.values("model"):
         row = cheapest(rows.where(model=model))
@@ -165,7 +165,7 @@ def _conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Order and cheapest setting of every method on every model in Markdown."""
+    """Format the order and cheapest setting of every method on every model in Markdown."""
     columns = ("model", "panels", "method", "observed order", "cheapest setting within the goal", COSTS["wall_s"])
     lines = []
     for model, panels, method in dict.fromkeys((row["model"], row["panels"], row["method"]) for row in rows.rows):
@@ -179,7 +179,7 @@ def _page(rows: Table) -> str:
 
 
 def _title(rows: Table) -> str:
-    """Model; its panels, and runs that could not go on."""
+    """Format a title: the model, its panels, and the number of runs that could not go on."""
     details = [str(panels) for panels in rows.values("panels") if panels != "rigid"]
     failed = sum(1 for row in rows.rows if row["failure"])
     if failed:

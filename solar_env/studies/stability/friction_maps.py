@@ -1,4 +1,4 @@
-"""Map of the friction law's two speeds: how fast a contact creeps that should stick, and the step that it needs.
+"""Map of the friction law's two speeds: creep speed of a contact that should stick, and the step that it needs.
 
 A loaded journal is turned by a torque of half the friction limit (`textbook.loaded_journal`). Coulomb's friction
 would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and W. Huang,
@@ -16,7 +16,7 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.stability.maps import Axis, Finding, Kind, Said, StabilityMap, listen, log_range
 
 LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4  # N, m, m
-FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, of the friction limit, kg m2
+FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, share of the friction limit, kg m2
 MASS, MINIMUM_SPEED = 1.0, 1e-4  # kg, m/s
 CONTACT = PowerLaw(7.39e10, damping=lankarani_damping(0.5))
 SHORT_STEP = 1e-4  # s; 300,000 of them make the 30 s of a deployment
@@ -31,19 +31,19 @@ _INTEGRATORS: dict[str, Integrator] = {
 
 
 def creep_speed(speed_zero: float, speed_full: float) -> float:
-    """Sliding speed at which the ramp carries the torque [m/s]."""
+    """Return the sliding speed at which the ramp carries the torque [m/s]."""
     return speed_zero + (speed_full - speed_zero) * SHARE
 
 
 def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
-    """The run of a journal under half the friction limit."""
+    """Simulate a journal under half the friction limit."""
     bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, FRICTION, (speed_zero, speed_full))
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
     torque = SHARE * FRICTION * normal * RADIUS
     journal = loaded_journal(bearing, LOAD, math.atan(SHARE * FRICTION))
     body = journal.bodies[0]
     assert isinstance(body, Body)
-    # It starts in the steady state: from rest the journal would first roll in its bearing for many seconds.
+    # Start in the steady state: from rest the journal would first roll in its bearing for many seconds.
     creeping = replace(body, spin=creep_speed(speed_zero, speed_full) / RADIUS)
     settle = INERTIA * (speed_full - speed_zero) / (FRICTION * LOAD * RADIUS**2)
     duration = min(max(10.0 * settle, DURATION), 2.0)
@@ -56,7 +56,7 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
 
 
 def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Finding:
-    """Sliding speed under half the friction limit; stiff if it is slow and explicit steps are below SHORT_STEP."""
+    """Measure the sliding speed at half the friction limit; stiff if slow, with explicit steps below SHORT_STEP."""
 
     def judge(run: Trajectory) -> Finding:
         speed, expected = float(run.rates[-1, 0]) * RADIUS, creep_speed(speed_zero, speed_full)

@@ -1,8 +1,8 @@
 """Maps of impacts: the fixed step that generalized-alpha needs in a contact, and the restitution of the contact laws.
 
-A block bounces between the two walls of its gap (`textbook.bouncing_block`). In free flight nothing acts, so that
-the impact speeds of successive contacts are the exit speeds of the ones before: their ratio is the restitution of every
-bounce, to be compared with the exact one of the law.
+A block bounces between the two walls of its gap (`textbook.bouncing_block`). In free flight nothing acts, so that the
+impact speed of a contact is the exit speed of the contact before. The ratio of successive impact speeds is therefore
+the restitution of a bounce, to be compared with the law's exact restitution.
 
 A law's factor 1 + d rate / impact speed with d > 0 is singular as the impact speed vanishes, which the minimum impact
 speed prevents.
@@ -26,26 +26,26 @@ from solar_env.studies.stability.maps import Axis, Finding, Kind, Said, Stabilit
 
 MASS, CLEARANCE, SPEED = 6.0, 2e-4, 0.1  # kg, m, m/s
 BOUNCES = 12
-TOLERANCE = 0.01  # of the exit speed of every bounce
+TOLERANCE = 0.01  # relative error allowed in the exit speed of every bounce
 _UNDAMPED = PowerLaw(7.39e10)
 _LAWS = {
     "Hertz (conserves energy)": _UNDAMPED,
     "Lankarani-Nikravesh, Ce = 0.9": replace(_UNDAMPED, damping=lankarani_damping(0.9)),
 }
 ARRAY = ArrayParameters(contact_stiffness=None)
-# Those that dissipate.
+# Contact laws that dissipate.
 DISSIPATING = tuple(name for name in CONTACT_LAWS if contact_law(name, ARRAY.surfaces(0), 0.5).exit_speed_ratio() < 1.0)
 SLOWEST = 1e-4  # m/s, the default minimum impact speed
-_FLIGHT = 50.0  # of the way to the wall over that of an impact at full speed
+_FLIGHT = 50.0  # time of flight to the wall divided by the duration of an impact
 
 
 def contact_duration() -> float:
-    """Duration of the first impact [s], without damping."""
+    """Return the duration of the first impact [s], without damping."""
     return _UNDAMPED.impact_scales(_UNDAMPED.parameters(), 1.0 / MASS, SPEED)[1]
 
 
 def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float64]:
-    """(bounces,) exit speeds of a bouncing block over the exact ones."""
+    """Return the (bounces,) exit speeds of a bouncing block divided by the exact speeds."""
     exact = contact.exit_speed_ratio()
     flights = sum(2.0 * CLEARANCE / (SPEED * exact**n) for n in range(BOUNCES))
     mechanism = bouncing_block(Bearing(CLEARANCE, 0.01, contact), MASS, SPEED)
@@ -55,7 +55,7 @@ def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float
 
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
-    """Bounces under generalized-alpha with a fixed step of `share` of the first impact's duration."""
+    """Measure bounces under generalized-alpha with a fixed step of `share` times the first impact's duration."""
 
     def judge(ratios: NDArray[np.float64]) -> Finding:
         worst = float(ratios[np.argmax(np.abs(ratios - 1.0))])
@@ -66,7 +66,7 @@ def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
 
 
 def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
-    """Exit over entry speed of one bounce as the array describes it; wrong if it is off by more than 0.05."""
+    """Measure exit speed divided by entry speed in one bounce of the array's law; wrong if off by more than 0.05."""
 
     def bounce() -> Trajectory:
         bearing = replace(ARRAY, contact_law=law, restitution=restitution).bearing(0)
@@ -86,7 +86,7 @@ def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
 
 
 def restitution_limit(law: str, speed: float) -> float:
-    """Coefficient below which the law's exit speed is off by more than 0.05; nan if there is none.
+    """Return the coefficient below which the law's exit speed is off by more than 0.05; nan if it never is.
 
     Below the minimum impact speed the damping is weaker by the ratio of the two speeds.
     """

@@ -1,8 +1,8 @@
-"""Maps of where methods fail: what a map is, and how its cells are measured.
+"""Maps of the failures of methods: definition of a map, and measurement of its cells.
 
-A map has two axes and one or more panels. Each cell is one small run with a known answer; it is put in a class, and
-what the library said about it (an error, a warning, a figure of the result) is kept beside it. A cell that fails
-without a word is a fault of the library: see `silent_failures`.
+A map has two axes and one or more panels. Each cell is one small run with a known answer. It has a class, and keeps the
+library's report on the run: an error, a warning, or a figure of the result. A cell that fails without a report is a
+fault of the library: see `silent_failures`.
 """
 
 import math
@@ -24,20 +24,20 @@ class Kind(StrEnum):
     """Classes of cells, in the order of their colours in a legend."""
 
     FINE = "fine"
-    STIFF = "stiff"  # is right, with steps far shorter than the motion asks for
+    STIFF = "stiff"  # is right, with steps far shorter than the motion needs
     CREEPS = "creeps"  # as the law has it, but not as dry friction does
-    OVER_DAMPED = "over-damped"  # loses what no law takes
+    OVER_DAMPED = "over-damped"  # loses energy that no law takes
     WRONG = "wrong value"  # finishes with another answer
     SPIKES = "spikes"  # is wrong for a while, then recovers
     GROWING = "growing"  # gains, or alternates ever more
-    NO_END = "does not end"  # takes more steps than it was allowed to
+    NO_END = "does not end"  # takes more steps than allowed
     NO_SOLUTION = "Newton failure"  # ends in an error of the iteration
     BLOW_UP = "blow-up"  # ends in nonsense
     REFUSED = "refused"  # not accepted as input
 
 
 class Said(StrEnum):
-    """How the library can say something."""
+    """Kinds of the library's report on a run."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -49,15 +49,15 @@ class Said(StrEnum):
 class Axis:
     """An axis of a map."""
 
-    column: str  # of the table
-    label: str  # with its unit
+    column: str  # column of the table
+    label: str  # label with its unit
     quick: tuple[Value, ...]  # values of a quick run
     full: tuple[Value, ...]
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Finding at one place of a map: its class, what was measured (nan if the run raised), and what was said."""
+    """Finding at one place of a map: class, value measured (nan if the run raised), and the library's report."""
 
     kind: Kind
     value: float
@@ -67,21 +67,21 @@ class Finding:
 
 @dataclass(frozen=True)
 class StabilityMap:
-    """A map of where methods fail."""
+    """A map of the failures of methods."""
 
-    name: str  # of the command line and of the files
+    name: str  # name for the command line and of the files
     title: str
     x: Axis
     y: Axis
-    panels: tuple[str, ...]  # in the order in which they are drawn
-    quantity: str  # what the value of a cell is, with its unit
-    advice: str  # one sentence that says what to do about the failures
-    measure: Callable[[str, float, float], Finding]  # panel, x and y to the cell
-    limit: Callable[[str, float], float] = lambda panel, y: math.nan  # theoretical, on x; nan where there is none
-    limit_label: str = ""  # what the limit is and where it comes from
+    panels: tuple[str, ...]  # panels in the order in which they are drawn
+    quantity: str  # meaning of a cell's value, with its unit
+    advice: str  # one sentence with a remedy for the failures
+    measure: Callable[[str, float, float], Finding]  # from panel, x and y to the cell
+    limit: Callable[[str, float], float] = lambda panel, y: math.nan  # theoretical limit on x; nan where unknown
+    limit_label: str = ""  # meaning and origin of the limit
 
     def cells(self, quick: bool) -> Iterator[tuple[str, Value, Value]]:
-        """(panel, x, y) of every cell of a quick or full run."""
+        """Yield (panel, x, y) of every cell of a quick or full run."""
         for panel in self.panels:
             for y in self.y.quick if quick else self.y.full:
                 for x in self.x.quick if quick else self.x.full:
@@ -94,14 +94,14 @@ class StabilityMap:
         return {**place, "limit": self.limit(panel, y), "said": cell.said, "message": cell.message}
 
     def description(self) -> dict[str, str]:
-        """Texts that a figure needs beside the rows; kept with the table's provenance."""
+        """Return the texts that a figure needs beside the rows; kept with the table's provenance."""
         axes = {"x": self.x.column, "y": self.y.column, "x label": self.x.label, "y label": self.y.label}
         texts = {"value": self.quantity, "limit": self.limit_label, "advice": self.advice}
         return {"title": self.title, **axes, **texts}
 
 
 def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Finding:
-    """The cell of a run: that of its error, or as judged by its result; warnings of the library go into the cell."""
+    """Run, and return the cell of the error or, by `judge`, of the result; the library's warnings go into the cell."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
         try:
@@ -118,7 +118,7 @@ def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Fin
 
 
 def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
-    """Class of a quantity over its exact value, from the lowest and the highest ratio: 2 or more is a blow-up."""
+    """Classify a quantity by its lowest and highest ratio to the exact value: more than 2, or nan, is a blow-up."""
     if not highest <= 2.0:
         return Kind.BLOW_UP
     if highest > 1.0 + tolerance:
@@ -127,12 +127,12 @@ def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
 
 
 def silent_failures(table: Table) -> Table:
-    """The rows of a map that fail although the library said nothing; there should be none."""
+    """Return the rows of a map that fail although the library said nothing; there should be no such row."""
     kept = (row for row in table.rows if row["class"] != Kind.FINE and row["said"] == Said.SILENT)
     return Table(tuple(kept), table.provenance)
 
 
 def log_range(first: float, last: float, count: int) -> tuple[float, ...]:
-    """`count` values from first to last at equal ratios, rounded to three digits."""
+    """Return `count` values from first to last at equal ratios, rounded to three digits."""
     ratio = (last / first) ** (1.0 / (count - 1))
     return tuple(float(f"{first * ratio**k:.3g}") for k in range(count))

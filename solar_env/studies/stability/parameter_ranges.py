@@ -1,4 +1,4 @@
-"""Ranges of the parameters: each of them over eight decades, what holds there, where it stops, with which message."""
+"""Ranges of the parameters: each parameter over eight decades, with the outcome and the library's messages."""
 
 import warnings
 from collections.abc import Callable, Iterable
@@ -19,29 +19,29 @@ FACTORS = tuple(10.0**decade for decade in range(-4, 5))
 MODELS = ("rigid-clearance", "flexible-clearance")
 DURATION = 15.0  # s; the default array latches after 12.3 s
 MAX_STEPS = 500_000
-LONGEST = 140  # characters of a message on the page; the table has all of it
-# What the decades are counted from where the default is zero [m, rad/s], or follows from others, as the torque ratio
-# of the cable from its wheels.
+LONGEST = 140  # greatest number of characters of a message on the page; the table has the whole message
+# Values from which the decades are counted where the default is zero [m, rad/s] or follows from others, as the torque
+# ratio of the cable follows from its wheels.
 COUNTED_FROM = {"hinge_y": 0.5, "initial_spin": 0.01, "initial_rate": 0.01, "cable_torque_ratio": 1.0}
 NAMES = tuple(name for name in vars(ArrayParameters()) if name in ArrayParameters.CONTINUOUS)
-# Counts, names and switches.
+# Parameters that are counts, names and switches.
 NO_QUANTITIES = tuple(name for name in vars(ArrayParameters()) if name not in ArrayParameters.CONTINUOUS)
 FINE, WARNED, STOPPED, REFUSED, SILENT = "fine", "warned", "stopped", "refused", "silent failure"
 
 
 def scaled(name: str, factor: float = 1.0) -> tuple[float, ...]:
-    """The value of a parameter, of every joint where it has one, at a factor of what its decades are counted from."""
+    """Return `factor` times the value that a parameter's decades are counted from, by joint where it has several."""
     value: Any = COUNTED_FROM.get(name, getattr(ArrayParameters(), name))
     return tuple(factor * entry for entry in (value if isinstance(value, tuple) else (float(value),)))
 
 
 def trial(name: str, factor: float, model: str, duration: float = DURATION) -> Row:
-    """Deploy the array with one parameter changed; says how that ended, and what the library said."""
+    """Deploy the array with one parameter changed; return a row with the outcome and the library's message."""
     values = scaled(name, factor)
     change: dict[str, Any] = {name: values if len(values) > 1 else values[0]}
 
     def deployed() -> Simulation:
-        # That a value is far from what is usual is what this study wants.
+        # This study wants unusual values.
         warnings.simplefilter("ignore", UnitWarning)
         method = replace(default_integrator(model), max_steps=MAX_STEPS)
         simulation = Simulation(build(ArrayParameters(**change), model), method)
@@ -72,7 +72,7 @@ def measure(path: Path, tick: Callable[[], object]) -> None:
 
 
 def page(table: Table) -> str:
-    """The page of the ranges, in Markdown."""
+    """Format the page of the ranges in Markdown."""
     silent = len(table.where(**{"class": SILENT}).rows)
     rows = [_line(str(name), table.where(parameter=name)) for name in table.values("parameter")]
     columns = ("parameter", "counted from", *(f"fine, {model}" for model in MODELS), "elsewhere, at times that")
@@ -97,9 +97,9 @@ def _words(names: Iterable[str]) -> str:
 
 
 def _line(name: str, table: Table) -> list[str]:
-    """A row of the page: where a parameter is fine, and what the library said elsewhere.
+    """Return a row of the page: values at which a parameter is fine, and the library's messages elsewhere.
 
-    Messages that differ in numbers alone stand there once, with all their factors.
+    Messages that differ only in numbers stand there once, with all their factors.
     """
     fine, said = [], dict[str, tuple[str, list[str]]]()
     for model in MODELS:

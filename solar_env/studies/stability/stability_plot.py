@@ -22,15 +22,15 @@ from solar_env.support.files import save_figure
 _DARK = (Kind.NO_SOLUTION, Kind.BLOW_UP)
 CELL_WIDTH, CELL_HEIGHT = 0.4, 0.24  # inch
 _NARROWEST = 7.4  # inch
-_CHARACTERS = 15.0  # an inch of text
-_IN_A_LINE = 6  # classes of the legend
+_CHARACTERS = 15.0  # characters per inch of text
+_IN_A_LINE = 6  # classes in a line of the legend
 
 
 def draw_map(table_path: Path, figure_path: Path) -> None:
     """Draw the figure of a map from its CSV file: panels of cells with class and value, limit, legend and advice.
 
     Raises:
-        ValueError: if the table is not that of a map.
+        ValueError: if the table is not a map's table.
     """
     table = read_table(table_path)
     about, panels, present = table.provenance, table.values("panel"), table.values("class")
@@ -66,7 +66,7 @@ def _draw_panel(axes: Axes, table: Table, about: Mapping[str, str]) -> None:
         value = number(row, "value")
         if math.isfinite(value):
             text = axes.text(i, k, short(value), ha="center", va="center", fontsize=7, color=ink, zorder=3)
-            # The line of the limit ends round a number that it would strike out.
+            # Break the line of the limit round a number that it would strike out.
             text.set_path_effects([withStroke(linewidth=3.0, foreground=colour)])
         if row["said"]:
             axes.plot(i + 0.42, k + 0.4, ".", color=ink, markersize=2.0)
@@ -81,7 +81,7 @@ def _draw_panel(axes: Axes, table: Table, about: Mapping[str, str]) -> None:
 
 
 def _place(limit: float, ticks: NDArray[np.float64]) -> float:
-    """Place of a value among ticks that are drawn at equal distances, by interpolating its logarithm; nan outside."""
+    """Return the place of a value among ticks drawn at equal distances, by logarithmic interpolation; nan outside."""
     if not limit > 0.0 or not (ticks > 0.0).all():
         return math.nan
     places = np.interp(math.log(limit), np.log(ticks), np.arange(len(ticks)), left=math.nan, right=math.nan)

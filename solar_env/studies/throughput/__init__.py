@@ -1,4 +1,4 @@
-"""Environment steps per second, and what they are spent on.
+"""Environment steps per second, and the parts of their time.
 
 Imports `common` and the environments. A further measurement is a function in `measurements`, and a column of
 `as_markdown`.

@@ -1,4 +1,4 @@
-"""Environment steps per second by model and number of lanes, and what they are spent on.
+"""Environment steps per second by model and number of lanes, and the parts of their time.
 
 Episodes cost most after latching, hundreds of times as much as in free flight. Lanes are therefore put at moments
 spread evenly over one passive deployment, so that a few steps stand for whole episodes.
@@ -23,13 +23,13 @@ SCALED_LANES = 64
 COMPARED_LANES = 8
 PEERS = ("SyncVectorEnv", "SubprocVecEnv")
 MOMENTS = 128
-# A measurement goes on until it has taken so long [s], and for no fewer rounds.
+# A measurement goes on for at least this time [s], and at least this number of rounds.
 ENOUGH, FEWEST = 2.0, 3
 
 
 @cache
 def moments(model: str) -> tuple[State, ...]:
-    """Saved states of one passive deployment, MOMENTS of them, evenly spread over its control periods."""
+    """Return MOMENTS saved states of one passive deployment, evenly spread over its control periods."""
     env: Any = gymnasium.make(DEPLOY, version="v1", model=model).unwrapped
     env.reset(seed=0)
     states, terminated = [env.simulation.snapshot()], False
@@ -41,13 +41,13 @@ def moments(model: str) -> tuple[State, ...]:
 
 
 def placements(model: str, lanes: int) -> list[list[State]]:
-    """Moments for all lanes, as often as all moments take to be met."""
+    """Return placements, each a moment for every lane, that together meet all moments."""
     every = moments(model)
     return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
 
 def spread(model: str, lanes: int) -> list[State]:
-    """A moment for every lane, spread over the deployment."""
+    """Return a moment for every lane, spread over the deployment."""
     return [moments(model)[(lane * MOMENTS) // lanes] for lane in range(lanes)]
 
 
@@ -59,33 +59,33 @@ class FromMoment(gymnasium.Wrapper):
         self._moment = moment
 
     def reset(self, **keywords: Any) -> tuple[Any, dict[str, Any]]:
-        """Reset, and go to the moment."""
+        """Reset the environment, and restore the saved state."""
         result = self.env.reset(**keywords)
         self.get_wrapper_attr("simulation").restore(self._moment)
         return result
 
 
 def make_native(model: str, lanes: int, threads: int | None = None) -> SolarArrayVectorEnv:
-    """A native vector environment that has been reset."""
+    """Make a native vector environment, and reset it."""
     env: Any = gymnasium.make_vec(DEPLOY, lanes, version="v1", model=model, num_threads=threads).unwrapped
     env.reset(seed=0)
     return env
 
 
 def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
-    """Put every lane at a moment."""
+    """Put every lane at its chosen moment."""
     for simulation, moment in zip(env.episodes.batch.simulations, chosen, strict=True):
         simulation.restore(moment)
 
 
-# Environment, and what puts its lanes to the moments of a round.
+# Environment, and functions that put its lanes at moments, one for each placement.
 Contestant = tuple[Any, Sequence[Callable[[], object]]]
 
 
 def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
-    """Steps per second of contestants stepped in turn, so that what disturbs one disturbs all.
+    """Measure the steps per second of contestants stepped in turn, so that disturbances meet all alike.
 
-    Each has as many placements as the others; of each the median time of all rounds counts.
+    All have the same number of placements. For each placement the median time of all rounds but the first counts.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     rounds: list[list[list[float]]] = []
@@ -108,7 +108,7 @@ def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, floa
 
 
 def measure_rate(model: str, lanes: int) -> dict[str, float]:
-    """Steps per second of a native vector environment, whose lanes go through all moments, and the compiled share."""
+    """Measure steps per second of native lanes through all moments; with SCALED_LANES lanes also the compiled share."""
     env = make_native(model, lanes)
     taken = {"step": 0.0, "run": 0.0}
     for owner, name in ((env, "step"), (env.episodes.batch, "run")):
@@ -119,7 +119,7 @@ def measure_rate(model: str, lanes: int) -> dict[str, float]:
 
 
 def _timed(function: Callable[..., object], taken: dict[str, float], name: str) -> Callable[..., object]:
-    """The function, which adds the time of each call to `taken` [s]."""
+    """Wrap a function so that it adds the time of each call [s] to `taken`."""
 
     def call(*arguments: object) -> object:
         start = time.perf_counter()
@@ -131,7 +131,7 @@ def _timed(function: Callable[..., object], taken: dict[str, float], name: str) 
 
 
 def measure_threads(model: str) -> dict[str, float]:
-    """Throughput of SCALED_LANES native lanes with all threads, over that with one."""
+    """Measure the throughput of SCALED_LANES native lanes with all threads, divided by that with one thread."""
     chosen, every = spread(model, SCALED_LANES), available_processors()
     envs = {name: make_native(model, SCALED_LANES, threads) for name, threads in (("one", 1), ("every", every))}
     rates = compare({name: (env, [partial(place, env, chosen)]) for name, env in envs.items()}, SCALED_LANES)
@@ -139,7 +139,7 @@ def measure_threads(model: str) -> dict[str, float]:
 
 
 def measure_peers(model: str) -> dict[str, float]:
-    """Throughput of COMPARED_LANES native lanes over that of Gymnasium's and Stable-Baselines3's vectors."""
+    """Measure the throughput ratios of COMPARED_LANES native lanes to Gymnasium's and Stable-Baselines3's vectors."""
     from stable_baselines3.common.vec_env import SubprocVecEnv
 
     chosen = spread(model, COMPARED_LANES)
@@ -158,14 +158,14 @@ def measure_peers(model: str) -> dict[str, float]:
 
 
 def measurements(models: Iterable[str]) -> list[tuple[str, Callable[[], dict[str, float]]]]:
-    """All measurements: model, and function that measures figures by name."""
+    """List all measurements: model, and function that measures figures by name."""
     whats: list[Callable[[str], dict[str, float]]] = [partial(measure_rate, lanes=lanes) for lanes in LANES]
     whats += [measure_threads, measure_peers]
     return [(model, partial(what, model)) for model in models for what in whats]
 
 
 def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
-    """The figures of all models: rates by lanes, what a step is spent on, and other vectors."""
+    """Format the figures of all models: rates by lanes, thread ratio, compiled share, and ratios to other vectors."""
     threads = available_processors()
     columns = (
         "model", *map(str, LANES), f"{threads} threads over 1", "compiled share",

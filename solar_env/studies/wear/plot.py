@@ -10,7 +10,7 @@ from solar_env.studies.common.tables import Table
 from solar_env.support.files import save_figure
 
 JOINTS = (1, 2)
-# By column, with "{}" for the joint: label, and factor to its unit.
+# By column, with "{}" for the joint: label, and factor to the label's unit.
 COLUMNS = {
     "clearance_{}_m": ("clearance [mm]", 1e3),
     "wear_{}_m": ("growth of the clearance\nby a deployment [µm]", 1e6),
@@ -19,7 +19,7 @@ COLUMNS = {
 
 
 def draw_repeated(table: Table, folder: Path) -> Path:
-    """Draw clearance, wear and force over the deployments; returns the picture's file."""
+    """Draw clearance, wear and force against the number of deployments; return the picture's file."""
     deployments, growth = table.column("deployment"), 0.0
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.0, 3.2), layout="constrained")

@@ -1,10 +1,10 @@
 """Wear carried over: deployments repeated with the worn clearance fed back.
 
-A deployment wears so little that many may pass before the clearance, and with it the motion, has changed: of those that
-change no clearance by more than a given share only the first is simulated. Its wear predicts the clearance of the next
-one simulated, whose wear corrects it: in between, wear is linear in the number of deployments (Heun's method). What is
-fed back is the mean depth round the circumference of bearing and journal together: a clearance of the worn volume,
-round as the contact law wants it.
+Wear is so small that many deployments pass before the clearance, and with it the motion, has changed. Of deployments
+that change no clearance by more than a given share, only the first is simulated. Its wear predicts the clearance of the
+next simulated deployment, whose wear corrects the prediction: in between, wear is linear in the number of deployments
+(Heun's method). The clearance grows by the mean wear depths round bearing and journal together: it gains the worn
+volume, and stays round as the contact law needs it.
 """
 
 import math
@@ -27,7 +27,7 @@ FILE = "repeated.csv"
 DEPLOYMENTS = 100
 MODEL = "rigid-clearance"
 DURATION = 30.0  # s
-# Archard's k [m2/N]: ten deployments wear like 1e9 at 1e-14, the array's.
+# Archard's k [m2/N]: ten deployments wear like 1e9 deployments at the array's 1e-14.
 WEAR_COEFFICIENT = 1e-6
 GROWTH = 0.05  # share of a clearance that may be worn before the next deployment is simulated
 MEMBERS = 4  # runs that stand for a deployment
@@ -37,8 +37,8 @@ MEMBERS = 4  # runs that stand for a deployment
 class Deployment:
     """One simulated deployment of the campaign; figures by joint (joints,) are means over an ensemble."""
 
-    number: int  # of deployments before it
-    repeated: int  # how many deployments this one stands for
+    number: int  # number of deployments before this one
+    repeated: int  # number of deployments that this one stands for
     clearance: Array  # m
     wear: Array  # growth of the clearance by this deployment [m]
     wear_error: Array  # standard error
@@ -47,7 +47,7 @@ class Deployment:
 
 
 def measure_repeated(deployments: int, workers: int, console: Console) -> list[Row]:
-    """Repeat deployments of the default array; returns a row for each deployment simulated."""
+    """Repeat deployments of the default array; return a row for each simulated deployment."""
     parameters, rows = replace(ArrayParameters(), wear_coefficient=WEAR_COEFFICIENT), []
     with counting_bar(console) as bar:
         task = bar.add_task("deployments", total=deployments)
@@ -63,11 +63,11 @@ def wear_campaign(
     """Simulate a campaign, and yield every simulated deployment.
 
     Args:
-        parameters: of the unworn array.
+        parameters: parameters of the unworn array.
         deployments: number of deployments in the campaign.
         growth: share of a clearance that may be worn before the next deployment is simulated; 0 simulates every one.
         members: runs of the ensemble that stands for a deployment, 2 or more.
-        workers: where the simulations run.
+        workers: number of processes that simulate.
     """
     clearance = np.array(parameters.for_each_joint("clearance"))
     number, repeated, simulated, before = 0, 0, 0, np.zeros_like(clearance)
@@ -89,7 +89,7 @@ def wear_campaign(
 
 
 def row_of(deployment: Deployment) -> Row:
-    """Row of a table, joints counted from 1."""
+    """Return the row of a table, joints counted from 1."""
     row: Row = {"deployment": deployment.number, "repeated": deployment.repeated}
     for joint, clearance in enumerate(deployment.clearance, start=1):
         row[f"clearance_{joint}_m"] = float(clearance)
@@ -100,7 +100,7 @@ def row_of(deployment: Deployment) -> Row:
 
 
 def _deploy(run: tuple[ArrayParameters, int]) -> list[list[float]]:
-    """Growth of the clearances [m] and peak forces [N] of one deployment; no two are alike."""
+    """Simulate one deployment, different for every number; return clearance growths [m] and peak forces [N]."""
     parameters, number = run
     motion = Level(MODEL).deploy(parameters, number, DURATION, DURATION)
     growth = motion.wear_bearing.mean(axis=1) + motion.wear_journal.mean(axis=1)

@@ -54,7 +54,7 @@ REDUCTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def rigid_array_motion() -> Iterator[Check]:
-    """The free array with all torques of its hinges; greatest difference of any joint angle up to the latching."""
+    """Check rigid panels under all hinge torques: the greatest error of a joint angle before the first latching."""
     times = [float(t) for t in np.arange(0.0, 10.01, 0.1)]
     variants = (
         ("two panels", ArrayParameters()),
@@ -80,7 +80,7 @@ def rigid_array_motion() -> Iterator[Check]:
 
 
 def double_door() -> Iterator[Check]:
-    """Two panels of one sense, with fittings and dampers, that swing into stops without latches."""
+    """Check two panels that open in one sense, with fittings and dampers, and swing into stops without latches."""
     # Two masses at a small distance have the inertia of a fitting of 1e-6 kg m2.
     apart, half = math.sqrt(1e-6 / 0.05), 0.025
     places = ((1, 0.02), (1, 0.28), (2, 0.02))
@@ -99,7 +99,7 @@ def double_door() -> Iterator[Check]:
     )
     for quantity, expected, obtained in pairs:
         yield from compare(zip("12", expected, obtained, strict=True), quantity, 1e-5, DOUBLE_DOOR, relative=True)
-    # The published panels give way, too. Modes take no fittings: these are beside elements twice as long.
+    # The published panels bend, too. Modes take no fittings, so panels with fittings have 8 elements beside 16.
     soft = replace(door, panel_young=7e8, panel_damping=1e-3)
     explicit = replace(default_integrator("flexible-ideal:8 elements"), rtol=1e-6)
     modal = replace(default_integrator("flexible-ideal"), rtol=1e-4)
@@ -119,7 +119,7 @@ def double_door() -> Iterator[Check]:
 
 
 def two_wings() -> Iterator[Check]:
-    """Mirrored wings: greatest asymmetry of their angles, turn and way aside of the hub; rigid and flexible panels."""
+    """Check mirrored wings, rigid and flexible: greatest asymmetry of the angles, turn and sideways way of the hub."""
     for model in ("rigid-ideal", "flexible-ideal:2 elements"):
         parameters = ArrayParameters(wings=2)
         motion = simulate(build(parameters, model), 10.0, integrator=default_integrator(model), output_step=0.1)
@@ -134,7 +134,7 @@ def two_wings() -> Iterator[Check]:
 
 
 def deployed_frequencies() -> Iterator[Check]:
-    """Deployed arrays of rigid panels on their latches: frequencies of the chain's mass matrix and hinge springs."""
+    """Check frequencies of deployed rigid panels on their latches, by the chain's mass matrix and the hinge springs."""
     wing = ArrayParameters(panel_count=3, body_mass=120.0, body_inertia=12.8, cable_stiffness=0.0)
     variants = (
         ("two panels, hub held", ArrayParameters(body_fixed=True, cable_stiffness=0.0)),
@@ -149,7 +149,7 @@ def deployed_frequencies() -> Iterator[Check]:
 
 
 def latch_times() -> Iterator[Check]:
-    """Rigid-ideal array with a stiff cable loop against the reduction to one degree of freedom."""
+    """Check latch times of rigid-ideal arrays with a stiff cable loop against a reduction to one degree of freedom."""
     integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=2e-3))
     for name, changes in REDUCTIONS:
         parameters = ArrayParameters(**changes, **STIFF_CABLE)
@@ -161,7 +161,7 @@ def latch_times() -> Iterator[Check]:
 
 
 def clearance_limit() -> Iterator[Check]:
-    """Joints with clearance tend to ideal joints as it vanishes; without friction, whose torque does not vanish."""
+    """Check that joints tend to ideal joints as clearance vanishes; without friction, whose torque would not vanish."""
 
     def latched(parameters: ArrayParameters, model: str, rtol: float) -> NDArray[np.float64]:
         return simulate(build(parameters, model), 13.0, integrator=RungeKutta(rtol=rtol), output_step=1.0).latch_times
@@ -185,7 +185,7 @@ def clearance_limit() -> Iterator[Check]:
 
 
 def without_rotary_inertia(mechanism: Mechanism) -> Mechanism:
-    """Rigid panels with the inertia of a thin rod, as the beams have it."""
+    """Return the mechanism with the inertia of a thin rod in every rigid panel, as beams have it."""
     bodies = [mechanism.bodies[0]]
     for body in mechanism.bodies[1:]:
         assert isinstance(body, Body)
@@ -194,7 +194,7 @@ def without_rotary_inertia(mechanism: Mechanism) -> Mechanism:
 
 
 def rigid_limit() -> Iterator[Check]:
-    """Flexible panels tend to rigid ones as their modulus grows; without a cable, which would swing undamped.
+    """Check that flexible panels tend to rigid ones with rising modulus; without a cable, which would swing undamped.
 
     The vibrations that the torques' sudden start excites are damped: the panels then bend quasi-statically.
     """
@@ -216,7 +216,7 @@ def rigid_limit() -> Iterator[Check]:
 
 
 def two_integrators() -> Iterator[Check]:
-    """Explicit and implicit integration of the array with flexible, damped panels; order of the implicit method."""
+    """Check explicit against implicit integration of flexible, damped panels, and the order of the implicit method."""
     parameters, end = ArrayParameters(cable_stiffness=10.0, panel_damping=3e-4), 3.0
     mechanism = build(parameters, "flexible-ideal:2 elements")
 
@@ -227,7 +227,7 @@ def two_integrators() -> Iterator[Check]:
     coarse, fine = (angles(GeneralizedAlpha(step=step)) for step in (4e-4, 2e-4))
     orders = np.log2((coarse - explicit) / (fine - explicit))
     yield from compare(zip("12", (2.0, 2.0), orders, strict=True), "order in the angle of joint {}", 0.05, ARNOLD_BRULS)
-    # Of order two: extrapolated, its error is of the order of the step's fourth power.
+    # The method is of order two: extrapolated, its error is of the order of the step's fourth power.
     yield from compare(
         zip("12", explicit, (4.0 * fine - coarse) / 3.0, strict=True),
         "angle of joint {} at 3 s [rad], generalized-alpha extrapolated from 0.4 and 0.2 ms",
@@ -237,7 +237,7 @@ def two_integrators() -> Iterator[Check]:
 
 
 def conservation() -> Iterator[Check]:
-    """Momenta and energy of a free array through impacts, friction, latching and a cable loop."""
+    """Check momenta and energy of a free array through impacts, friction, latching and a cable loop."""
     # Steps are longest between impacts, when journals rest; generalized-alpha adds the tolerance of Newton's iteration.
     runs: tuple[tuple[str, Integrator, float, float, float], ...] = (
         ("rigid-clearance", RungeKutta(rtol=1e-6), 30.0, 1.5e-14, 3e-6),

@@ -1,4 +1,4 @@
-"""Case of what an engineer of mechanisms works out by hand, for arrays whose panels have the default size."""
+"""Case of figures that an engineer of mechanisms works out by hand, for arrays whose panels have the default size."""
 
 import cmath
 import math
@@ -36,18 +36,18 @@ THREE: dict[str, Any] = {"panel_count": 3, "cable_stiffness": 5e3, "cable_preloa
 
 
 def _run(duration: float, model: str = "rigid-ideal", step: float = 0.5, **changes: Any) -> Trajectory:
-    """Simulate an array for a duration [s], by steps that are at most those of the samples [s]."""
+    """Simulate an array for a duration [s], in integration steps no longer than the sample step [s]."""
     method = RungeKutta(rtol=1e-10, max_step=step)
     return simulate(build(ArrayParameters(**changes), model), duration, integrator=method, output_step=step)
 
 
 def swing_time(inertia: float, stiffness: float, preload: float, lock: float) -> float:
-    """Time [s] in which a spring turns a body about a fixed hinge, from rest to its lock angle [rad]."""
+    """Return the time [s] in which a spring turns a body about a fixed hinge, from rest to its lock angle [rad]."""
     return math.sqrt(inertia / stiffness) * math.acos(1.0 - lock / preload)
 
 
 def inertias(p: ArrayParameters, angle: float) -> Array:
-    """Mass matrix [kg m2, kg m, kg] of the root's angle, with which all hinges open, and of a free array as a whole."""
+    """Return the mass matrix [kg m2, kg m, kg] of the root's angle, hinges in step, and a free array's rigid motion."""
     chain, ratios = make_chain(p), [row.sign * row.lock_angle / QUARTER for row in p.joints]
     links, ways = len(chain.links), np.zeros((chain.size, 1 if p.body_fixed else 4))
     ways[links - len(ratios) : links, 0] = np.cumsum(ratios)
@@ -57,26 +57,26 @@ def inertias(p: ArrayParameters, angle: float) -> Array:
 
 
 def spring_work(p: ArrayParameters, angles: Array) -> float:
-    """Work [J] of the torsion springs from the folded array to some joint angles [rad]."""
+    """Return the work [J] of the torsion springs from the folded array to some joint angles [rad]."""
     return float(0.5 * angles @ (spring_torques(p, angles) + spring_torques(p, 0.0 * angles)))
 
 
 def opening(p: ArrayParameters) -> tuple[float, float, float]:
-    """Time [s] at which hinges that open in step latch; rate of the root [rad/s] and turn of a free hub [rad] then."""
+    """Return the latch time [s] of hinges that open in step, and the root's rate [rad/s] and hub's turn [rad] then."""
 
     def rates(angle: float) -> Array:
-        inverse = np.linalg.inv(inertias(p, angle))[:, 0]  # the whole has no momenta
+        inverse = np.linalg.inv(inertias(p, angle))[:, 0]  # the array as a whole has no momenta
         work = spring_work(p, angle / QUARTER * LOCKS[: p.panel_count])
         return np.asarray(inverse * math.sqrt(2.0 * work / inverse[0]))
 
-    # The rate begins as the root of the angle, which therefore is the variable of integration.
+    # The rate begins as the square root of the angle, so this root is the variable of integration.
     time, _ = quad(lambda x: 2.0 * x / rates(x * x)[0], 0.0, math.sqrt(QUARTER), epsabs=1e-12, epsrel=1e-12)
     turn, _ = quad(lambda x: rates(x)[-3:][0] / rates(x)[0], 0.0, QUARTER)
     return float(time), float(rates(QUARTER)[0]), float(turn)
 
 
 def _openings() -> Iterator[Check]:
-    """Latch times of one panel and of three; of one also rate, energies, turn of the hub, and torque of the latch."""
+    """Check latch times of one panel and of three; for one also rate, energies, turn of the hub, and latch torque."""
     names = ("latch time [s]", "rate then [rad/s]", "energy put in [J]", "kinetic energy [J]", "turn of the hub [rad]")
     for name, changes, rows, tolerance in (
         ("one panel, hub held", ALONE, 4, 1e-10),
@@ -101,7 +101,7 @@ def _openings() -> Iterator[Check]:
 
 
 def _hold_downs() -> Iterator[Check]:
-    """Panels released one after the other; a panel on a light yoke that is held at 0.1 rad to it, and on none."""
+    """Check panels released one after the other; a panel held at 0.1 rad on a light yoke, in the limit of no yoke."""
     times = _run(
         60.0, body_fixed=True, cable_stiffness=0.0, release_time=(3.0, 20.0), release_after=(0, 1), latch_gap=0.0,
         spring_preload_angle=(2.0, 3.5), latch_stiffness=1e5, latch_damping=1e3, latch_ramp_depth=1e-6,
@@ -116,7 +116,7 @@ def _hold_downs() -> Iterator[Check]:
             release_time=(0.0, 9.0), latch_stiffness=1e5, latch_damping=20.0, latch_ramp_depth=1e-7,
         )  # fmt: skip
         inertia = CENTRAL + MASS * abs(length + cmath.rect(LENGTH / 2.0, 0.1)) ** 2 + 2.5e-4 * length**3 / 3.0
-        time = swing_time(inertia, 2.0, QUARTER, QUARTER)  # the hold-down gives way, which adds 1e-5 of it
+        time = swing_time(inertia, 2.0, QUARTER, QUARTER)  # the hold-down gives way, which adds 1e-5 of the time
         figures.append((f"on a yoke of {length:g} m", time, motion.latch_times[0], 3e-5))
     limit = float(np.dot([obtained for _, _, obtained, _ in figures[2:]], (1.0, -6.0, 8.0))) / 3.0
     figures.append(("extrapolated to no yoke", swing_time(INERTIA, 2.0, QUARTER, QUARTER), limit, 3e-5))
@@ -124,7 +124,7 @@ def _hold_downs() -> Iterator[Check]:
 
 
 def _impact() -> Iterator[Check]:
-    """First impact in the hinge of a hub and a panel that turn freely: approach, peak force, impulse."""
+    """Check the first impact in the hinge of a hub and a panel that turn freely: approach, peak force, impulse."""
     # As complex numbers: the hinge from the hub's centre of mass, and the panel's centre of mass from its end.
     places, spins, gap = np.array([0.5 + 0.2j, -0.5j * LENGTH]), np.array([3e-3, 7e-3]), 1e-3
     contact = _run(
@@ -146,7 +146,7 @@ def _impact() -> Iterator[Check]:
 
 
 def _wear() -> Iterator[Check]:
-    """A hinge that a constant torque turns steadily against a damper: its bearing's friction, sliding work and wear."""
+    """Check friction, sliding work and wear in a hinge that a constant torque turns steadily against a damper."""
     motion = _run(
         5.0, "rigid-clearance", **ALONE, spring_stiffness=0.0, spring_torque=((0.0, 20.0),), hinge_damping=20.0,
         initial_rate=1.0, fold_angle=5.9, wear_coefficient=1e-13,
@@ -165,7 +165,7 @@ def _wear() -> Iterator[Check]:
 
 
 def _deployed() -> Iterator[Check]:
-    """Frequencies of a flexible panel on its latch; a spinning array, which its deployment slows down: spin, forces."""
+    """Check frequencies of a flexible panel on its latch; spin and forces of an array that deployment slows down."""
     found = natural_frequencies(build_deployed(ArrayParameters(**ALONE), "flexible-ideal:24 elements"))
     bending = 280e6 * THICKNESS**3 / 12.0  # N m2
 
@@ -189,7 +189,7 @@ def _deployed() -> Iterator[Check]:
 
 
 def _gravity() -> Iterator[Check]:
-    """One panel and two at rest on latches under the gravity of the Moon; a panel that swings without a spring."""
+    """Check one panel and two at rest on latches under the Moon's gravity; a panel that swings without a spring."""
     for count in (1, 2):
         motion = _run(
             60.0, panel_count=count, body_fixed=True, gravity=1.62, spring_stiffness=20.0, hinge_damping=10.0,
@@ -215,6 +215,6 @@ def _gravity() -> Iterator[Check]:
 
 
 def hand_checks() -> Iterator[Check]:
-    """Every check of this module, subject by subject."""
+    """Yield all checks of this module, subject by subject."""
     for part in (_openings, _hold_downs, _impact, _wear, _deployed, _gravity):
         yield from part()

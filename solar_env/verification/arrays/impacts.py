@@ -22,12 +22,12 @@ from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import Check
 
-_CHUNK = 0.01  # s, which a run and its repetition up to an impact may share before chaos parts them
+_CHUNK = 0.01  # s, in which chaos does not yet part a run from its repetition up to an impact
 _CORRECTIONS = 4  # by Newton's method of the moment at which surfaces part
-_MOST_CONTACTS = 4096  # of a chunk or of one impact
+_MOST_CONTACTS = 4096  # contacts in a chunk or in one impact
 _STEPS_PER_IMPACT = 40.0  # of the tight runs
-# Modal panels give way in an impact: it lasts some 35 times as long as that of a panel at the start of its deformation,
-# which the prediction is of. Contacts longer than this many predicted durations, 8 ms, are no impacts.
+# Modal panels give way in an impact, which lasts some 35 times as long as predicted: the prediction holds at the start
+# of a panel's deformation. Contacts longer than this many predicted durations, 8 ms, are no impacts.
 _LONGEST_MODAL = 100.0
 _FAST = 0.01  # m/s: impacts from here on have the peak forces
 _ALONE = "impacts that other joints' impacts do not draw out"
@@ -48,7 +48,7 @@ def _contacts(simulation: Simulation, end_time: float) -> list[tuple[float, int,
 
 
 def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
-    """Depth [m] of the contact of joint `j`, negative for a gap, and its rate [m/s]."""
+    """Return the depth [m] of the contact of joint `j`, negative for a gap, and its rate [m/s]."""
     model, state = simulation.model, simulation.state
     if isinstance(model, ModalModel):
         return float(state.motion[j, DEPTH]), float(state.motion[j, DEPTH_RATE])
@@ -57,13 +57,13 @@ def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
 
 
 def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: float) -> tuple[float, ...]:
-    """Speed [m/s] and time [s] at which the contact of joint `j` that has just begun ends, and contacts till then.
+    """Return exit speed [m/s] and duration [s] of the contact of joint `j` that has just begun, and contacts till then.
 
-    Nothing if it lasts longer.
+    A contact longer than `longest` predicted durations gives an empty tuple.
     """
     begun, duration = float(start.joints[j]["contact_start"]), float(start.joints[j]["contact_duration"])
     simulation.restore(start)
-    # Nothing but the method sets the steps up to the end, which is known afterwards: a linear estimate, made better.
+    # Only the method sets the steps up to the end of the contact; a linear estimate of the end is then corrected.
     contacts = _contacts(simulation, begun + longest * duration)
     end = next(end for other_start, joint, end in contacts if (other_start, joint) == (begun, j))
     rate = -1.0
@@ -80,21 +80,21 @@ def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: fl
 def impacts(
     model: str, duration: float, tight: Integrator, longest: float, slowest: float = 0.0
 ) -> tuple[Column, Column, float]:
-    """Impacts of a deployment by the default method, each of them also by another one.
+    """Simulate a deployment by the default method, and each of its impacts also by another method.
 
     The exit speed contains what other joints' impacts and the springs do meanwhile, and can exceed the impact speed.
 
     Args:
-        model: its level.
-        duration: [s].
-        tight: method of the second run of each impact, of the formulation of the default one.
-        longest: in predicted durations; contacts that last longer are left out.
+        model: level of the model.
+        duration: duration of the deployment [s].
+        tight: method of the second run of each impact, for the default method's formulation.
+        longest: longest contact, in predicted durations; contacts that last longer are left out.
         slowest: exit speed [m/s] below which the method's tolerance does not tell whether surfaces part.
 
     Returns:
-        Speeds [m/s] and errors of the exit speeds [m/s] of the impacts in which both runs have the same contacts, and
-        the share of the others, of those that part faster than `slowest`: steps may pass over gaps of some nanometres,
-        of this joint or of another one.
+        Speeds [m/s] and errors of the exit speeds [m/s] of the impacts in which both runs have the same contacts; and
+        the share of other impacts, where only those at `slowest` or faster count: steps may pass over gaps of some
+        nanometres, in this joint or in another one.
     """
     mechanism = build(ArrayParameters(), model)
     run, tight_run = Simulation(mechanism, default_integrator(model)), Simulation(mechanism, tight)
@@ -110,7 +110,7 @@ def impacts(
             run.advance(begun + 1e-9)
             start = run.snapshot()
             joint = start.joints[j]
-            # At the minimum impact speed it is a journal that leans on its bearing, as is one in contact for long.
+            # At the minimum impact speed a journal leans on its bearing, as does a journal in contact for long.
             leans = joint["impact_speed"] <= run.model.joints[j]["minimum_impact_speed"]
             if joint["in_contact"] and joint["contact_start"] > before.clock["time"][0] and not leans:
                 ends = [_exit(simulation, start, j, longest) for simulation in (run, tight_run)]
@@ -124,7 +124,7 @@ def impacts(
 
 
 def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterator[Check]:
-    """Whether there are enough impacts that have the same contacts in both runs."""
+    """Check that enough impacts, and nearly all of them, have the same contacts in both runs."""
     missing = max(at_least - number, 0)
     yield Check(f"{name}: impacts compared: {number}, at least {at_least}", 0.0, missing, 0.0, _ALONE)
     quantity = f"{name}: share of the impacts left out, where surfaces part for a moment in one of the two runs alone"
@@ -132,7 +132,7 @@ def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterato
 
 
 def explicit_impacts() -> Iterator[Check]:
-    """Impacts of a deployment with rigid panels."""
+    """Check impacts of a deployment with rigid panels."""
     name, tight = "rigid-clearance, 30 s", RungeKutta(rtol=1e-10, impact_resolution=_STEPS_PER_IMPACT)
     speed, errors, left_out = impacts("rigid-clearance", 30.0, tight, IMPACT_DURATIONS)
     yield from _compared(name, speed.size, 1000, left_out)
@@ -140,9 +140,9 @@ def explicit_impacts() -> Iterator[Check]:
 
 
 def modal_impacts() -> Iterator[Check]:
-    """Impacts of a deployment with modal panels.
+    """Check impacts of a deployment with modal panels.
 
-    The method's tolerance is one of speeds, here 0.1 mm/s: of slow impacts, exit speeds are compared and no ratios.
+    The method's tolerance is a speed, here 0.1 mm/s: for slow impacts, exit speeds are compared and no ratios.
     """
     model = "flexible-clearance"
     name, default = f"{model}, 32 modes a panel, 16 s", default_integrator(model)

@@ -61,7 +61,7 @@ class Chain:
         self.inertias = np.array([link.inertia for link in self.links])
 
     def jacobian(self, angles: Array) -> NDArray[np.complex128]:
-        """(n, size) velocity of every centroid per unit coordinate velocity, as complex numbers."""
+        """Return the (n, size) velocity of every centroid per unit coordinate velocity, as complex numbers."""
         turning = 1j * self.arms * np.exp(1j * angles)
         if not self.free:
             return turning
@@ -69,7 +69,7 @@ class Chain:
         return np.hstack([turning, ones, 1j * ones])
 
     def mass_matrix(self, angles: Array) -> Array:
-        """(size, size) generalized mass matrix [kg m2, kg m, kg]."""
+        """Return the (size, size) generalized mass matrix [kg m2, kg m, kg]."""
         jacobian = self.jacobian(angles)
         matrix = (jacobian.conj().T @ (self.masses[:, None] * jacobian)).real
         n = len(self.links)
@@ -77,7 +77,7 @@ class Chain:
         return matrix
 
     def applied(self, angles: Array, rates: Array, torques: Array) -> Array:
-        """(size,) generalized forces: torques (n,) on the angles [N m], weights, and centripetal terms."""
+        """Return the (size,) generalized forces: torques (n,) on the angles [N m], weights, and centripetal terms."""
         forces = self.masses * ((self.arms * np.exp(1j * angles)) @ rates**2 + self.gravity)
         total = (self.jacobian(angles).conj().T @ forces).real
         total[: len(self.links)] += torques
@@ -91,7 +91,7 @@ class Chain:
         coupling: tuple[Array, Array] | None = None,
         stop: Callable[[float, Array], float] | None = None,
     ) -> Any:
-        """SciPy's solution from rest at some times [s], under torques [N m] of angles and rates; states hold both.
+        """Solve from rest, by SciPy, for some times [s] under torques [N m] of angles and rates; states hold both.
 
         A coupling is a constraint c . angles = const that acts through torques proportional to g, as rows (c, g).
         """
@@ -121,7 +121,7 @@ class Chain:
 
 
 def make_chain(p: ArrayParameters) -> Chain:
-    """Main body (left out if it is fixed) and panels; the first inboard pin is the main body's centroid."""
+    """Return the chain of the main body, unless fixed, and panels; its first inboard pin is the body's centroid."""
     rows = [p.panel(joint.index) for joint in p.joints]
     panels = [ChainLink(row.mass, row.inertia, row.centroid + 0j, row.length + 0j) for row in rows]
     if p.body_fixed:
@@ -130,13 +130,13 @@ def make_chain(p: ArrayParameters) -> Chain:
 
 
 def folded_angles(p: ArrayParameters) -> Array:
-    """Absolute angles of the chain's links at t = 0."""
+    """Return the absolute angles [rad] of the chain's links at t = 0."""
     panels = -np.cumsum([joint.sign * joint.fold_angle for joint in p.joints])
     return panels if p.body_fixed else np.append(0.0, panels)
 
 
 def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
-    """(panels, links) matrix: joint angles = matrix (angles - folded ones); its transpose spreads torques."""
+    """Return the (panels, links) matrix in joint angles = matrix (angles - folded); its transpose spreads torques."""
     matrix = np.zeros((p.panel_count, p.panel_count + 1))
     for k, joint in enumerate(p.joints):
         matrix[k, k], matrix[k, k + 1] = -joint.sign, joint.sign
@@ -144,12 +144,12 @@ def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
 
 
 def spring_torques(p: ArrayParameters, joint_angles: Array) -> Array:
-    """(panels,) K (preload angle - angle) [N m]."""
+    """Return the (panels,) spring torques K (preload angle - angle) [N m]."""
     return np.array(p.for_each_joint("spring_stiffness")) * (p.for_each_joint("spring_preload_angle") - joint_angles)
 
 
 def hinge_torques(p: ArrayParameters) -> Callable[[Array, Array], Array]:
-    """(panels,) torques [N m] of springs, tables, dampers and friction by the joints' angles and rates."""
+    """Return the function from joint angles and rates to (panels,) torques [N m] of all hinge elements."""
     curves = [
         (joint.index, PchipInterpolator(*np.array(table).T))
         for name in ("spring_torque", "harness_torque")
@@ -171,7 +171,7 @@ def hinge_torques(p: ArrayParameters) -> Callable[[Array, Array], Array]:
 
 
 def cable_torques(p: ArrayParameters, joint_angles: Array) -> Array:
-    """(panels,) of loops whose strands are both taut [N m]; wheel ratios are those of the lock angles."""
+    """Return the (panels,) torques [N m] of cable loops with taut strands; wheel ratios follow from the lock angles."""
     total = np.zeros(p.panel_count)
     for k in range(1, p.panel_count):
         ratio = p.joints[k].lock_angle / p.joints[k - 1].lock_angle
@@ -182,7 +182,7 @@ def cable_torques(p: ArrayParameters, joint_angles: Array) -> Array:
 
 
 def joint_angles_over_time(p: ArrayParameters, times: list[float]) -> NDArray[np.float64]:
-    """(times, panels) joint angles [rad] of the deployment with an elastic cable, before any latching."""
+    """Return the (times, panels) joint angles [rad] of the deployment with an elastic cable, before any latching."""
     chain, start, matrix = make_chain(p), folded_angles(p), hinge_map(p)
 
     at_hinges = hinge_torques(p)
@@ -196,7 +196,7 @@ def joint_angles_over_time(p: ArrayParameters, times: list[float]) -> NDArray[np
 
 
 def frequencies_on_latches(p: ArrayParameters) -> Array:
-    """(panels,) frequencies [Hz] of the deployed array, whose joints are sprung by the stiffness of their latches."""
+    """Compute the (panels,) frequencies [Hz] of the deployed array, each joint sprung by its latch's stiffness."""
     chain, matrix = make_chain(p), hinge_map(p)
     deployed = folded_angles(p) + np.append(
         [] if p.body_fixed else 0.0, np.cumsum([j.sign * j.lock_angle for j in p.joints])
@@ -209,7 +209,7 @@ def frequencies_on_latches(p: ArrayParameters) -> Array:
 
 
 def latch_time(p: ArrayParameters) -> float:
-    """Latch time [s] of two panels whose angles are held at 1 : 2 by a cable that does not stretch.
+    """Compute the latch time [s] of two panels whose angles are held at 1 : 2 by a cable that does not stretch.
 
     The cable's torque acts on the joints as (-torque ratio, 1).
     """

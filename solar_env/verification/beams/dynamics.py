@@ -38,7 +38,7 @@ DAMPED_PENDULUM_BEAM = replace(PENDULUM_BEAM, bending_stiffness=100.0 * PENDULUM
 
 
 def spin_up() -> Iterator[Check]:
-    """A beam spun up about its end: lag of the tip, and its steady stretch."""
+    """Check a beam spun up about its end: lag of the tip, and its steady stretch."""
     beam = SPIN_UP_BEAM
     mechanism = spin_up_beam(beam, 16, SPIN_RATE, RAMP_TIME)
     motion = simulate(mechanism, 20.0, integrator=GeneralizedAlpha(step=2e-3), output_step=0.01)
@@ -62,7 +62,7 @@ def spin_up() -> Iterator[Check]:
 
 
 def falling_pendulum() -> Iterator[Check]:
-    """Flexible pendulums released from the horizontal: the published one, and a damped, stiffer one."""
+    """Check flexible pendulums released from the horizontal: the published one, and a damped, stiffer one."""
     elements = 32
     mechanism = flexible_pendulum(PENDULUM_BEAM, elements)
     simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))
@@ -85,7 +85,7 @@ def falling_pendulum() -> Iterator[Check]:
 
 
 def free_flight() -> Iterator[Check]:
-    """A floppy beam without supports: momenta, and the motion of the centre of mass under constant loads."""
+    """Check a floppy beam without supports: momenta, and the motion of the centre of mass under constant loads."""
     beam, elements = Beam(1.5, 4.0, 2e4, 2.0), 6
     duration, spin = 1.0, 4.0
     force, torque, middle = (3.0, -5.0), 2.0, 0.5 * beam.length
@@ -96,8 +96,8 @@ def free_flight() -> Iterator[Check]:
         ("force at the tip", (Load(BEAM, (beam.length, 0.0), force),)),
         ("torque at the tip", (Load(BEAM, (beam.length, 0.0), torque=torque),)),
     )
-    # Tolerances of angular momentum and energy. Moments are integrated by the trapezoidal rule; generalized-alpha
-    # has (omega h)^2, and damps the high modes that a sudden torque excites.
+    # Tolerances of angular momentum and energy. Moments are integrated by the trapezoidal rule; generalized-alpha has
+    # an error (omega h)^2, and damps the high modes that a sudden torque excites.
     integrators: tuple[tuple[Integrator, float, float], ...] = (
         (RungeKutta(rtol=1e-8), 1e-6, 1e-6),
         (GeneralizedAlpha(step=1e-3), 1e-5, 1e-3),

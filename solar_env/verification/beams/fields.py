@@ -13,40 +13,40 @@ Field = NDArray[np.complex128]
 
 
 def flexible_body(mechanism: Mechanism) -> FlexibleBody:
-    """The first body of a mechanism of beams."""
+    """Return the first body of a mechanism of beams."""
     body = mechanism.bodies[0]
     assert isinstance(body, FlexibleBody)
     return body
 
 
 def coordinates_of(body: FlexibleBody, first: int = 0) -> slice:
-    """Coordinates of a body among those of its mechanism, where they start at `first`."""
+    """Return the slice of a body's coordinates among the coordinates of its mechanism; it starts at `first`."""
     return slice(first, first + 4 * (body.elements + 1))
 
 
 def as_complex(coordinates: NDArray[np.float64]) -> Field:
-    """(points, ...) x + i y of coordinates (..., 2 points) that alternate between x and y."""
+    """Return the (points, ...) x + i y of coordinates (..., 2 points) that alternate between x and y."""
     pairs = coordinates.reshape(*coordinates.shape[:-1], -1, 2)
     return np.moveaxis(pairs[..., 0] + 1j * pairs[..., 1], -1, 0)
 
 
 def nodes(body: FlexibleBody, values: NDArray[np.float64], first: int = 0) -> tuple[Field, Field]:
-    """Places (nodes, ...) and slopes of a body whose coordinates start at `first` in `values` (..., n)."""
+    """Return the places (nodes, ...) and slopes of a body whose coordinates start at `first` in `values` (..., n)."""
     points = as_complex(np.asarray(values)[..., coordinates_of(body, first)])
     return points[0::2], points[1::2]
 
 
 def tip(body: FlexibleBody, values: NDArray[np.float64]) -> Any:
-    """Place x + i y of the last node, or its velocity."""
+    """Return the place x + i y of the last node, or its velocity."""
     return nodes(body, values)[0][-1]
 
 
 def beam_points(
     body: FlexibleBody, coordinates: NDArray[np.float64], velocities: NDArray[np.float64], first: int
 ) -> tuple[Field, Field, NDArray[np.float64]]:
-    """Places and velocities (..., points) along a body, and the mass (points,) [kg] that each stands for.
+    """Return the places and velocities (..., points) along a body, and the mass (points,) [kg] that each stands for.
 
-    Gauss points that integrate products of two such fields exactly.
+    The points are Gauss points, which integrate products of two such fields exactly.
     """
     x, weights = np.polynomial.legendre.leggauss(4)
     ends, size = np.linspace(0.0, body.length, body.elements + 1), body.length / body.elements
@@ -58,7 +58,7 @@ def beam_points(
 
 
 def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s] of every body, (times, bodies) each.
+    """Return linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s] by body, (times, bodies) each.
 
     Computed from the motion of base points or nodes and the described masses alone.
     """

@@ -30,13 +30,13 @@ RIGID_BODY = "as many zero frequencies as rigid-body motions"
 
 
 def solve_tip(mechanism: Mechanism, load_steps: int = 10) -> tuple[complex, float]:
-    """Place x + i y [m] and direction [rad], from -pi to pi, of the tip at equilibrium."""
+    """Return the place x + i y [m] and direction [rad], from -pi to pi, of the tip at equilibrium."""
     places, slopes = nodes(flexible_body(mechanism), np.asarray(static_equilibrium(mechanism, load_steps=load_steps)))
     return complex(places[-1]), cmath.phase(complex(slopes[-1]))
 
 
 def tip_load() -> Iterator[Check]:
-    """A cantilever under a transverse dead load at its tip, so slender that it does not stretch."""
+    """Check a cantilever under a transverse dead load at its tip, so slender that it does not stretch."""
     # Slenderness E A L^2 / (E I) = 1e6; stretch changes the figures by some load / 1e6.
     beam, elements = Beam(length=1.0, linear_density=1.0, axial_stiffness=1e6, bending_stiffness=1.0), 40
     names = ("deflection w / L", "shortening u / L", "tip angle [rad]")
@@ -49,7 +49,7 @@ def tip_load() -> Iterator[Check]:
 
 
 def tip_moment() -> Iterator[Check]:
-    """A cantilever that a tip moment rolls up, to a full circle."""
+    """Check a cantilever that a tip moment rolls up, to a full circle."""
     beam, elements = PANEL, 16
     for turns, name in ((0.25, "quarter"), (0.5, "half"), (1.0, "full")):
         turn = 2.0 * math.pi * turns
@@ -61,13 +61,13 @@ def tip_moment() -> Iterator[Check]:
             ("y / L of the tip", exact.imag, place.imag / beam.length),
             ("turn of the tip [rad]", turn, angle + 2.0 * math.pi * round((turn - angle) / (2.0 * math.pi))),
         )
-        # Of the elements, and of the end of the iteration.
+        # Errors of the elements, and of the end of the iteration.
         tolerance = 1.1 * turn * (turn / elements) ** 4 / 240.0 + 1e-9
         yield from compare(figures, f"{name} circle: {{}}, {elements} elements", tolerance, CIRCLE)
 
 
 def orders() -> Iterator[Check]:
-    """Errors of frequencies and of large static deflections: their order, and their leading term."""
+    """Check errors of frequencies and of large static deflections: their order, and their leading term."""
     beam, support, coarse, fine = PANEL, "clamped-free", 8, 16
     exact = theory.bending_frequencies(support, beam, 3)
     wave_numbers = theory.bending_wave_numbers(support, 3) / beam.length
@@ -79,13 +79,13 @@ def orders() -> Iterator[Check]:
         obtained = errors[fine][mode] / theory.cubic_element_frequency_error(wave_numbers[mode], beam.length / fine)
         quantity = f"error of the frequency of bending mode {mode + 1}, {fine} elements, over (beta h)^4 / 1440"
         yield Check(quantity, 1.0, obtained, 0.05, f"{STRANG_FIX}: leading term")
-    # Nearly without bending stiffness, whose modes lie far below.
+    # The bar is nearly without bending stiffness: bending modes lie far below.
     bar = Beam(1.0, 1.0, 1.0, 1e-12)
     expected = float(theory.axial_frequencies(support, bar, 2)[1])
     found = [np.abs(natural_frequencies(cantilever(bar, n)) - expected).min() for n in (coarse, fine)]
     quantity = f"order of the second axial frequency, {coarse} and {fine} elements"
     yield Check(quantity, 6.0, math.log2(found[0] / found[1]), 0.3, f"{CUBICS} and strains, m = 1")
-    # Thick, bending decides; slender, membrane locking does.
+    # In a thick beam the error of bending decides, in a slender one membrane locking.
     for slenderness, load, order in ((100.0, 5.0, 4.0), (67500.0, 0.5, 6.0)):
         bent = Beam(1.0, 1.0, slenderness, 1.0)
         place, _ = theory.deflected_tip(bent, 1j * load)
@@ -99,7 +99,7 @@ def orders() -> Iterator[Check]:
 
 
 def panel_frequencies() -> Iterator[Check]:
-    """Bending frequencies of a panel, clamped, pinned and free, and of two panels in a row."""
+    """Check bending frequencies of a panel, clamped, pinned and free, and of two panels in a row."""
     double = replace(PANEL, length=2.0 * PANEL.length)
     variants = (
         ("clamped-free", PANEL, 12, cantilever(PANEL, 12), 0),
@@ -128,7 +128,7 @@ def panel_frequencies() -> Iterator[Check]:
 
 
 def material_damping() -> Iterator[Check]:
-    """Decay of the first bending mode of a damped cantilever."""
+    """Check decay of the first bending mode of a damped cantilever."""
     beam = replace(PANEL, damping=1e-3)
     mechanism = cantilever(beam, 6)
     of_beam = coordinates_of(flexible_body(mechanism))

@@ -37,18 +37,16 @@ class StrainBeam:
         root_angle: Callable[[float], tuple[float, float, float]] | None = None,
         gravity: float = 0.0,
     ) -> None:
-        """Args:
-        beam: the beam.
-        turns, stretches: numbers of terms.
-        root_angle: of time [s]: direction of the root, its rate and acceleration; None for a pinned root.
-        gravity: towards -y [m/s2].
+        """Set up the equations with `turns` and `stretches` terms, under `gravity` [m/s2] towards -y.
+
+        `root_angle` gives direction, rate and acceleration of the root at a time [s]; None stands for a pinned root.
         """
         self.beam, self.turns, self.stretches = beam, turns, stretches
         self.root_angle, self.gravity = root_angle, gravity
         points = turns + stretches + 12
         x, weights = legendre.leggauss(points)
         self.weights = 0.5 * beam.length * weights
-        # Integral from the root to every point, and to the tip, of what has the given values at the points.
+        # Integral from the root to every point of the polynomial that has given values at the points.
         integrals = [legendre.Legendre.basis(k).integ(lbnd=-1) for k in range(points)]
         from_values = np.array([(k + 0.5) * weights * legendre.Legendre.basis(k)(x) for k in range(points)])
         self.integrate = 0.5 * beam.length * np.array([p(x) for p in integrals]).T @ from_values
@@ -61,13 +59,13 @@ class StrainBeam:
         self.axial = beam.axial_stiffness * self.stretch.T @ (self.weights[:, None] * self.stretch)
 
     def tangent(self, time: float, coordinates: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """exp(i theta) and (1 + eps) exp(i theta) at the quadrature points."""
+        """Return exp(i theta) and (1 + eps) exp(i theta) at the quadrature points."""
         root = self.root_angle(time)[0] if self.root_angle else 0.0
         way = np.exp(1j * (root + self.direction @ coordinates[: self.turns]))
         return way, (1.0 + self.stretch @ coordinates[self.turns :]) * way
 
     def accelerations(self, time: float, coordinates: Array, rates: Array) -> Array:
-        """Second time derivatives of the coordinates."""
+        """Return the second time derivatives of the coordinates."""
         beam, n = self.beam, self.turns
         way, tangent = self.tangent(time, coordinates)
         spin, spin_change = self.root_angle(time)[1:] if self.root_angle else (0.0, 0.0)
@@ -83,7 +81,7 @@ class StrainBeam:
         return np.linalg.solve((weighted.T @ columns).real, force)
 
     def tips(self, times: Sequence[float], rtol: float = 1e-8) -> NDArray[np.complex128]:
-        """Places of the tip [m] at times [s], from the straight beam at rest along the x axis."""
+        """Return the places of the tip [m] at times [s], from the straight beam at rest along the x axis."""
         size = self.turns + self.stretches
 
         def slope(time: float, state: Array) -> Array:

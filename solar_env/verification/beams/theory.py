@@ -18,15 +18,15 @@ from solar_env.mechanics.mechanism import Beam
 
 Array = NDArray[np.float64]
 
-# Support -> the roots beta L lie near (n + shift) pi, and the function that is zero there.
+# Support -> shift of the roots beta L, which lie near (n + shift) pi, and the function that is zero at the roots.
 SUPPORTS: dict[str, tuple[float, Callable[[float], float]]] = {
     "clamped-free": (-0.5, lambda x: math.cos(x) + 1.0 / math.cosh(x)),
     "pinned-free": (0.25, lambda x: math.sin(x) - math.tanh(x) * math.cos(x)),
     "free-free": (0.5, lambda x: math.cos(x) - 1.0 / math.cosh(x)),
 }
 
-# The falling pendulum of M. Berzeri and A. A. Shabana, J. Sound Vib. 235 (2000) 539, doi:10.1006/jsvi.1999.2935, as two
-# independent methods agreed on it: time [s] -> tip (x, y) [m], tolerance [m].
+# The falling pendulum of M. Berzeri and A. A. Shabana, J. Sound Vib. 235 (2000) 539, doi:10.1006/jsvi.1999.2935, on
+# which two independent methods agreed: time [s] -> tip (x, y) [m], tolerance [m].
 FALLING_TIPS = {
     0.2: (1.180, -0.196, 0.005),
     0.4: (0.853, -0.784, 0.005),
@@ -37,7 +37,7 @@ FALLING_TIPS = {
 
 
 def tip_load_elastica(load: float) -> tuple[float, float, float]:
-    """Deflection, shortening (of the length 1) and tip angle [rad] under a transverse dead load P L^2 / (E I).
+    """Return deflection, shortening (of the length 1) and tip angle [rad] under a transverse dead load P L^2 / (E I).
 
     Without extension: K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272.
     """
@@ -56,7 +56,7 @@ def tip_load_elastica(load: float) -> tuple[float, float, float]:
 
 
 def deflected_tip(beam: Beam, tip_force: complex = 0j, tip_moment: float = 0.0) -> tuple[complex, float]:
-    """Tip x + i y [m] and tip angle [rad] of the extensible elastica under dead loads [N, N m]."""
+    """Return the tip x + i y [m] and tip angle [rad] of the extensible elastica under dead loads [N, N m]."""
 
     def slope(_: Array, state: Array) -> Array:
         angle, turn = state[:2]
@@ -75,7 +75,7 @@ def deflected_tip(beam: Beam, tip_force: complex = 0j, tip_moment: float = 0.0) 
 
 
 def bending_wave_numbers(support: str, count: int) -> Array:
-    """(count,) roots beta L of the characteristic equation, ascending, without the rigid-body zeros.
+    """Return the (count,) roots beta L of the characteristic equation, ascending, without the rigid-body zeros.
 
     S. Timoshenko, Vibration Problems in Engineering, 2nd ed., 1937, section 54.
     """
@@ -87,20 +87,20 @@ def bending_wave_numbers(support: str, count: int) -> Array:
 
 
 def bending_frequencies(support: str, beam: Beam, count: int) -> Array:
-    """(count,) natural frequencies [Hz] of an Euler-Bernoulli beam without rotary inertia."""
+    """Return the (count,) natural frequencies [Hz] of an Euler-Bernoulli beam without rotary inertia."""
     wave_numbers = bending_wave_numbers(support, count) / beam.length
     return wave_numbers**2 * math.sqrt(beam.bending_stiffness / beam.linear_density) / (2.0 * math.pi)
 
 
 def axial_frequencies(support: str, beam: Beam, count: int) -> Array:
-    """(count,) natural frequencies [Hz] of a bar that is held at no end (free-free) or at one."""
+    """Return the (count,) natural frequencies [Hz] of a bar that is held at no end (free-free) or at one."""
     speed = math.sqrt(beam.axial_stiffness / beam.linear_density)
     quarters = 2.0 * np.arange(1, count + 1) - (0.0 if support == "free-free" else 1.0)
     return np.asarray(quarters * speed / (4.0 * beam.length))
 
 
 def cubic_element_frequency_error(wave_number: float, element_length: float) -> float:
-    """Leading term of the relative frequency error of cubic Hermite beam elements with a consistent mass matrix.
+    """Return the leading relative frequency error of cubic Hermite beam elements with a consistent mass matrix.
 
     The eigenvalue is too high by (beta h)^4 / 720: G. Strang and G. Fix, An Analysis of the Finite Element
     Method, 1973, section 6.3.
@@ -109,7 +109,7 @@ def cubic_element_frequency_error(wave_number: float, element_length: float) -> 
 
 
 def spinning_extension(beam: Beam, rate: float) -> float:
-    """How much longer a straight beam is [m] that turns steadily [rad/s] about one end.
+    """Return the extension [m] of a straight beam that turns steadily [rad/s] about one end.
 
     E A r'' = -rho A rate^2 r with r(0) = 0 and r'(length) = 1.
     """
@@ -118,7 +118,7 @@ def spinning_extension(beam: Beam, rate: float) -> float:
 
 
 def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, float, float]:
-    """Angle, rate and acceleration [rad, rad/s, rad/s2] of a smooth spin-up from rest that ends at `ramp_time`.
+    """Return angle, rate and acceleration [rad, rad/s, rad/s2] of a smooth spin-up from rest that ends at `ramp_time`.
 
     J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855.
     """
@@ -131,13 +131,13 @@ def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, fl
 
 
 def element_deflection_error(load: float, slenderness: float, elements: int) -> float:
-    """Leading error of the tip's deflection w / L of a cantilever of cubic elements under P L^2 / (E I) = `load`.
+    """Compute the leading error of the tip deflection w / L of a cantilever of cubic elements under a transverse load.
 
-    The elements minimize the potential over a smaller space. To first order this adds to it the energy of what they
-    cannot represent, and the derivative of that by P is the missing deflection. In an element of length h, r'' is
-    linear: (kappa'' - kappa^3) s^2 / 2, its normal part, leaves what is orthogonal to linear functions and an energy of
-    E I h^4 / 1440 (kappa'' - kappa^3)^2 per length. r' is quadratic and continuous: of the stretch
-    kappa kappa' s^3 / 2 it leaves what vanishes at the nodes, E A h^6 / 6720 (kappa kappa')^2: membrane locking.
+    The elements minimize the potential over a smaller space. To first order this adds the energy of the parts that they
+    cannot represent, and the derivative of this energy by P is the missing deflection. In an element of length h, r''
+    is linear: of the normal part (kappa'' - kappa^3) s^2 / 2 the share orthogonal to linear functions is missing, with
+    an energy of E I h^4 / 1440 (kappa'' - kappa^3)^2 per length. r' is quadratic and continuous: of the stretch
+    kappa kappa' s^3 / 2 a share that vanishes at the nodes is left, E A h^6 / 6720 (kappa kappa')^2: membrane locking.
 
     Args:
         load: P L^2 / (E I).
@@ -165,7 +165,7 @@ class FineBeam:
     """A free beam by thousands of modes, each a function of time in closed form.
 
     Attributes:
-        beam: its data; it does not stretch.
+        beam: data of the beam, which does not stretch.
         modes: number of bending modes.
     """
 
@@ -197,11 +197,11 @@ class FineBeam:
         return unit * np.outer(scale, scale) * self.beam.length / self.beam.bending_stiffness
 
     def step_response(self, load: int, time: float) -> Array:
-        """Deflection and slope of the first end a time [s] after a unit force (0) or moment (1) began there."""
+        """Return deflection and slope of the first end a time [s] after a unit force (0) or moment (1) began there."""
         omega, ends = self.frequencies, self.first_end
         decay = 0.5 * self.beam.damping * omega**2
         root = np.sqrt((omega**2 - decay**2).astype(complex))
-        # Of the sum and the difference of exponentials, which do not overflow where the mode does not oscillate.
+        # Sum and difference of exponentials do not overflow where the mode does not oscillate.
         plus, minus = np.exp((-decay + 1j * root) * time), np.exp((-decay - 1j * root) * time)
         ringing = (0.5 * (plus + minus) + decay * (plus - minus) / (2j * root)).real / omega**2
         arm = np.array([-0.5 * self.beam.length, 1.0])
@@ -210,5 +210,5 @@ class FineBeam:
         return rigid * 0.5 * time**2 + self.flexibility[:, load] - ends @ (ends[load] * ringing)
 
     def left_out(self, kept: int) -> Array:
-        """(2,) flexibility of the first end to a force and to a moment there, of the modes above the first `kept`."""
+        """Return the (2,) flexibility of the first end to a force and moment there, of modes after the first `kept`."""
         return np.sum((self.first_end[:, kept:] / self.frequencies[kept:]) ** 2, axis=1)

@@ -37,7 +37,7 @@ def _bearing() -> Bearing:
 
 
 def friction_creep() -> Iterator[Check]:
-    """A journal turned by a torque below the friction limit creeps where the friction law balances it."""
+    """Check that a journal, under a torque below the friction limit, creeps at the speed where friction balances it."""
     integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=1e-4))
     for integrator in integrators:
         for share in (0.3, 0.9):
@@ -59,7 +59,7 @@ def friction_creep() -> Iterator[Check]:
 
 
 def archard_wear() -> Iterator[Check]:
-    """Wear of a journal that turns at a constant rate: volumes, and depths over the arc of contact."""
+    """Check wear of a journal that turns at a constant rate: volumes, and the depth along the arc of contact."""
     rate, turns = 20.0, 2  # rad/s, -
     duration = turns * 2.0 * math.pi / rate
     mechanism = loaded_journal(_bearing(), LOAD, math.atan(FRICTION), rate, wear_bins=BINS)

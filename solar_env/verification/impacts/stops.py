@@ -20,7 +20,7 @@ LOCK, GAP = 0.5, 0.01  # rad
 
 
 def slack_cable() -> Iterator[Check]:
-    """A deployment whose loop passes the limit at which a strand slackens: the torque of two strands, and energy."""
+    """Check a deployment in which a strand of the cable loop slackens: the torque of two strands, and energy."""
     parameters = ArrayParameters(cable_preload_force=0.2)
     motion = simulate(build(parameters, "rigid-ideal"), 10.0, integrator=RungeKutta(rtol=1e-8))
     preload = parameters.cable_preload_force * parameters.cable_wheel_radius
@@ -36,7 +36,7 @@ def slack_cable() -> Iterator[Check]:
 
 
 def stop_torque(stop: Stop, angle: float, rate: float) -> float:
-    """Torque of a latched joint's stop [N m]: ADAMS' BISTOP about the lock angle with STEP-ramped damping."""
+    """Return the stop torque [N m] of a latched joint: ADAMS' BISTOP about the lock angle with STEP-ramped damping."""
     beyond = angle - LOCK
     depth, closing = abs(beyond) - stop.gap, rate * math.copysign(1.0, beyond)
     if depth <= 0.0:
@@ -47,7 +47,7 @@ def stop_torque(stop: Stop, angle: float, rate: float) -> float:
 
 
 def _latched_swing(stop: Stop, rate: float, duration: float) -> tuple[float, float]:
-    """Angle [rad] and rate [rad/s] a while after the link has latched, by SciPy."""
+    """Return the angle [rad] and rate [rad/s] of the link a duration [s] after latching, by SciPy."""
 
     def slope(_: float, motion: Sequence[float]) -> tuple[float, float]:
         return motion[1], stop_torque(stop, motion[0], motion[1]) / INERTIA
@@ -58,14 +58,14 @@ def _latched_swing(stop: Stop, rate: float, duration: float) -> tuple[float, flo
 
 
 def _swinging_link(stop: Stop, rate: float) -> Mechanism:
-    """A link that turns about a fixed hinge towards its latch, or its stow stop if the rate is negative."""
+    """Return a link that turns about a fixed hinge towards its latch, or its stow stop if the rate is negative."""
     link = Link(1.5, 6.0, INERTIA - 6.0 * 0.75**2)
     joint = Joint("hinge", GROUND, "link", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=LOCK, stow_angle=0.0)
     return Mechanism((link.body("link", 0j, 0.0, 0j, rate),), (joint,))
 
 
 def swings_into_stops() -> Iterator[Check]:
-    """A link that runs into its latch and its stow stop without damping, and swings to and fro in a damped latch."""
+    """Check a link that runs into its latch and stow stop without damping, and swings to and fro in a damped latch."""
     rate, duration = 0.3, 0.5
     energy = 0.5 * INERTIA * rate**2
     latch = Stop(GAP, stiffness=1e3, exponent=1.0, ramp_depth=1e-3, damping=10.0)

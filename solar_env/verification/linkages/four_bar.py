@@ -40,8 +40,8 @@ class LinkageState:
         output: rocker's angle [rad].
         output_rate: [rad/s].
         output_acceleration: [rad/s2].
-        crank_moment: that keeps the crank turning uniformly [N m].
-        pin_forces: by pin in the order of the mechanism's, each on its outboard body [N].
+        crank_moment: moment that keeps the crank turning uniformly [N m].
+        pin_forces: forces by pin, in the mechanism's order, each on its outboard body [N].
         play_gain: greatest change of the angle per displacement of a journal in any one pin, to first order [rad/m].
     """
 
@@ -58,14 +58,14 @@ def _moment(arm: complex, force: complex) -> float:
 
 
 def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: float) -> float:
-    """Moment of the inertia force and couple of a link about a point, `arm` before its centroid."""
+    """Return the moment of a link's inertia force and couple about a point; `arm` leads from it to the centroid."""
     return link.inertia * spin_rate + _moment(arm, link.mass * acceleration)
 
 
 def four_bar_state(
     crank: Link, coupler: Link, rocker: Link, ground_length: float, rate: float, angle: float, gravity: float
 ) -> LinkageState:
-    """Open four-bar at a crank angle [rad] and a uniform rate [rad/s]; gravity towards -y."""
+    """Solve the open four-bar linkage at a crank angle [rad] and a uniform rate [rad/s]; gravity towards -y."""
     pin = cmath.rect(crank.length, angle)
     # Freudenstein: the rocker's angle from the triangle over the diagonal between its ground pin and the crank pin.
     diagonal = pin - ground_length
@@ -84,7 +84,7 @@ def four_bar_state(
     coupler_spin_rate, rocker_spin_rate = close(
         pin_acceleration - coupler_spin**2 * coupler_arm + rocker_spin**2 * rocker_arm
     )
-    # Accelerations less that of gravity: weights count as inertia forces.
+    # Accelerations less gravity: weights count as inertia forces.
     up = 1j * gravity
     crank_effective = pin_acceleration / 2.0 + up
     coupler_effective = pin_acceleration + (1j * coupler_spin_rate - coupler_spin**2) * coupler_arm / 2.0 + up
@@ -111,12 +111,12 @@ def four_bar_state(
 
 
 def rocker_state(turned: float) -> LinkageState:
-    """State of the ideal linkage when its crank has turned by an angle [rad]."""
+    """Return the state of the ideal linkage when its crank has turned by an angle [rad]."""
     return four_bar_state(*FOUR_BAR, FOUR_BAR_START + turned, STANDARD_GRAVITY)
 
 
 def _figures(simulation: Simulation) -> dict[str, Any]:
-    """Motion of the rocker, crank moment and pin forces now, by name."""
+    """Return the motion of the rocker, crank moment and pin forces now, by name."""
     state, model = simulation.state, simulation.model
     q, v, a = (complex(x[10] - x[8], x[11] - x[9]) for x in state[:3])
     # The drive's constraint is the component across the prescribed direction, of a vector of the crank's length.
@@ -131,9 +131,9 @@ def _figures(simulation: Simulation) -> dict[str, Any]:
 
 
 def four_bar_cycle() -> Iterator[Check]:
-    """Crank-rocker under gravity with ideal pins over one turn, after half a turn."""
+    """Check a crank-rocker under gravity with ideal pins over one turn, after half a turn."""
     step = 2.0 * math.pi / RATE / (8 * SAMPLES)
-    # Tolerances: the local one, and the tenfold of (rate * step)^2.
+    # Tolerances: the local one, and ten times (rate * step)^2.
     choices: tuple[tuple[Integrator, float], ...] = (
         (RungeKutta(rtol=1e-9), 1e-9),
         (GeneralizedAlpha(step=step), 10.0 * (RATE * step) ** 2),
@@ -160,9 +160,9 @@ def four_bar_cycle() -> Iterator[Check]:
 
 
 def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
-    """Greatest difference of the crank's work in a twentieth of the last turn, relative to the greatest work.
+    """Return the greatest error of the crank's work in a twentieth of the last turn, relative to the greatest work.
 
-    Work, since forces ring on in a contact that is hardly damped.
+    Work is compared, since forces ring on in a contact that is hardly damped.
     """
     power = RATE * np.array([state.crank_moment for state in ideal])
     exact = cumulative_simpson(power, x=motion.time, initial=0.0)
@@ -172,7 +172,7 @@ def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
 
 
 def four_bar_clearance() -> Iterator[Check]:
-    """Crank-rocker under gravity, each pin in turn with play; the weights keep every pin in contact."""
+    """Check a crank-rocker under gravity, each pin in turn with play; the weights keep every pin in contact."""
     turn = 2.0 * math.pi / RATE
     for joint, pin in enumerate(FOUR_BAR_PINS):
         for clearance in (1e-4, 1e-5):

@@ -34,7 +34,7 @@ def swing(duration: float, method: Integrator, spin: float = 0.0, **joint: Any) 
 
 
 def damped_pendulum(damping: float, time: float) -> float:
-    """Angle [rad] at a time [s] of the bar on a spring relaxed at 1 rad, with a damper [N m s/rad], from rest."""
+    """Return the bar's angle [rad] at a time [s], from rest, on a spring relaxed at 1 rad and a damper [N m s/rad]."""
     decay, square = 0.5 * damping / INERTIA, STIFFNESS / INERTIA - (0.5 * damping / INERTIA) ** 2
     root = math.sqrt(abs(square))
     cosine, sine = (math.cos, math.sin) if square > 0.0 else (math.cosh, math.sinh)
@@ -42,7 +42,7 @@ def damped_pendulum(damping: float, time: float) -> float:
 
 
 def hinge_elements() -> Iterator[Check]:
-    """Angle, rate or time of a bar on a hinge with one element each."""
+    """Check angle, rate or time of a bar on a hinge with one element each."""
     for method in METHODS:
         angles = []
         for damping in (0.5, 2.0, 12.0):

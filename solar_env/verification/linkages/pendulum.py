@@ -20,12 +20,12 @@ _PARAMETER = 0.5  # sin^2 of half the amplitude, which is a right angle
 
 
 def exact_period() -> float:
-    """Period [s]."""
+    """Return the period [s]."""
     return 4.0 * float(ellipk(_PARAMETER)) / math.sqrt(STANDARD_GRAVITY)
 
 
 def exact_pendulum(time: float) -> tuple[float, float, float]:
-    """Position (x, y) [m] of the bob and tension [N] at a time [s], for 1 m, 1 kg and g = 9.81 m/s2."""
+    """Return the position (x, y) [m] of the bob and tension [N] at a time [s], for 1 m, 1 kg and g = 9.81 m/s2."""
     frequency = math.sqrt(STANDARD_GRAVITY)
     _, cn, dn, _ = ellipj(frequency * time, _PARAMETER)
     angle = 2.0 * math.asin(math.sqrt(_PARAMETER) * cn / dn)  # from the vertical
@@ -44,12 +44,12 @@ def _bob(simulation: Simulation) -> tuple[float, float]:
 
 
 def _tension(simulation: Simulation) -> float:
-    # The multipliers of the lengths, by body, follow those of the pins; times the length, 1 m, it is the tension.
+    # Multipliers of the lengths, by body, follow the pins' multipliers; times the length, 1 m, this is the tension.
     return float(simulation.state.multipliers[simulation.model.constraints.target.size])
 
 
 def _period(integrator: Integrator, exact: float) -> float:
-    """Period [s] from the fifth passage through a quarter period, which lies at the bottom."""
+    """Return the period [s] from the fifth passage through a quarter period, which lies at the bottom."""
     simulation = _run(integrator, 1.25 * exact)
     x, y = _bob(simulation)
     speed = float(np.hypot(*simulation.state.v[2:4]))
@@ -57,7 +57,7 @@ def _period(integrator: Integrator, exact: float) -> float:
 
 
 def pendulum_motion() -> Iterator[Check]:
-    """Period, positions, tension and energy."""
+    """Check period, positions, tension and energy."""
     period = exact_period()
     # The local tolerance, and (omega h)^2 = 1e-7 of the second-order method.
     for integrator, tolerance in ((RungeKutta(rtol=1e-10), 1e-8), (GeneralizedAlpha(step=1e-4), 1e-6)):
@@ -74,7 +74,7 @@ def pendulum_motion() -> Iterator[Check]:
 
 
 def _errors(step: float, rho_inf: float) -> tuple[float, float]:
-    """Errors of position [m] and of tension [N] after 1 s of fixed steps."""
+    """Return the errors of position [m] and of tension [N] after 1 s of fixed steps."""
     simulation = _run(GeneralizedAlpha(step=step, rho_inf=rho_inf), 1.0)
     x, y, tension = exact_pendulum(1.0)
     bob = _bob(simulation)
@@ -82,7 +82,7 @@ def _errors(step: float, rho_inf: float) -> tuple[float, float]:
 
 
 def generalized_alpha_order() -> Iterator[Check]:
-    """Order of generalized-alpha in coordinates and in multipliers, from halving the step."""
+    """Check order of generalized-alpha in coordinates and in multipliers, from halving the step."""
     for rho_inf in (0.0, 0.8, 1.0):
         coarse, fine = (np.array(_errors(step, rho_inf)) for step in (4e-3, 2e-3))
         figures = zip(("coordinates", "multipliers"), (2.0, 2.0), np.log2(coarse / fine), strict=True)

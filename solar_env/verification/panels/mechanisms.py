@@ -15,18 +15,18 @@ _FAR = 1e6  # m
 
 
 def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 20_000_000) -> Simulation:
-    """The mechanism in its initial state, to be run by the method for modal panels."""
+    """Return the mechanism in its initial state, to be run by the method for modal panels."""
     return Simulation(mechanism, ModalRadau(rtol=rtol, max_steps=max_steps))
 
 
 def modal(beam: Beam, modes: int = 24, **placed: float | Point) -> ModalPanel:
-    """A beam as a modal panel; further arguments are those of `ModalPanel`."""
+    """Return a beam as a modal panel; `placed` holds further keywords of `ModalPanel`."""
     stiffness = (beam.axial_stiffness, beam.bending_stiffness, beam.damping)
     return ModalPanel(BEAM, beam.length, beam.mass, *stiffness, modes=modes, **placed)  # type: ignore[arg-type]
 
 
 def dead_force(end: Point, force: complex) -> Joint:
-    """A force [N], x + i y, on the end (0, 0) or (length, 0) of a beam that lies along the x axis."""
+    """Return a joint as force [N], x + i y, on the end (0, 0) or (length, 0) of a beam that lies along the x axis."""
     size = abs(force)
     place = complex(*end) + force / size * _FAR
     bearing = Bearing(0.5 * _FAR, _FAR, PowerLaw(2.0 * size / _FAR, exponent=1.0))
@@ -34,16 +34,16 @@ def dead_force(end: Point, force: complex) -> Joint:
 
 
 def loose(end: Point) -> Joint:
-    """A joint whose motor torque is a moment on an end of a beam that lies along the x axis."""
+    """Return a joint whose motor torque is a moment on an end of a beam that lies along the x axis."""
     return Joint(f"moment at {end[0]:g}", GROUND, BEAM, end, end, bearing=Bearing(_FAR, _FAR, PowerLaw(1.0)))
 
 
 def clamp(stiffness: float) -> Joint:
-    """The first end, at the origin, held in place and by a spring [N m/rad] in its direction."""
+    """Return a joint that holds the first end at the origin, and its direction by a spring [N m/rad]."""
     return Joint("clamp", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0), spring=Spring(stiffness, 0.0))
 
 
 def moved(simulation: Simulation, joint: int) -> tuple[complex, float]:
-    """Displacement x + i y [m] of an end and turn of its tangent [rad], as a `loose` joint at it has them."""
+    """Return the displacement x + i y [m] of an end and the turn of its tangent [rad], read at its `loose` joint."""
     row = simulation.joint_loads()[joint]
     return complex(row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y]), float(row[columns.ANGLE])

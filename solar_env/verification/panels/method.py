@@ -17,15 +17,15 @@ from solar_env.verification.checks import ENERGY, MOMENTUM, Check
 from solar_env.verification.panels.mechanisms import modal, start
 
 OUTER = "outer"
-# Its vibrations of the start have died after half a second. Of its modes those alone that stand for its flexibility:
-# else the number of those that the step resolves would change with the step.
+# A panel without modes, except pseudo-modes for its flexibility: otherwise the number of modes that a step resolves
+# would change with the step. Vibrations of the start have died after half a second.
 MODES = 0
 # With ideal joints foreshortening lowers the order to 1.6 where it is large, hence panels that bend little.
 DAMPED = replace(PANEL, damping=1e-3, bending_stiffness=30.0 * PANEL.bending_stiffness)
 
 
 def _swing(bearing: Bearing | None) -> Mechanism:
-    """Two panels that hang in a row from a spring's hinge, with a spring between them; they start level."""
+    """Return two panels in a row that hang from a hinge with a spring, with a spring between them; they start level."""
     first = modal(DAMPED, MODES, position=(0.0, -bearing.clearance if bearing else 0.0))
     second = replace(first, name=OUTER, position=(PANEL.length, first.position[1]))
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0), bearing=bearing, spring=Spring(20.0, 0.5))
@@ -34,7 +34,7 @@ def _swing(bearing: Bearing | None) -> Mechanism:
 
 
 def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
-    """(halvings + 1, 3) errors of motion, spring torques and reactions after a quarter of a second in constant steps.
+    """Return (halvings + 1, 3) errors of motion, spring torques and reactions after 0.256 s in constant steps.
 
     They are measured from the same method at a small step; all runs start from one smooth state.
     """
@@ -59,11 +59,11 @@ def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
 
 
 def order() -> Iterator[Check]:
-    """Order of convergence in motion and loads, of a hinge in lasting contact and of an ideal one.
+    """Check order of convergence in motion and loads, of a hinge in lasting contact and of an ideal one.
 
     Reactions are the algebraic variables of a system of index two: the method finds them, and loads at the ends of
     steps, with order three. Motion is of order five, but with ideal joints the foreshortening that reactions follow
-    lowers it to theirs.
+    lowers this order to the reactions' order.
     """
     halvings = 3
     source = "three-stage Radau IIA: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996"
@@ -80,11 +80,11 @@ def order() -> Iterator[Check]:
 
 
 def free_chain() -> Iterator[Check]:
-    """Two panels that fly freely, with a rattling hinge, friction and a spring: momenta, energy."""
+    """Check two panels that fly freely, with a rattling hinge, friction and a spring: momenta, energy."""
     panel = replace(PANEL, damping=1e-5)
     bearing = Bearing(2e-4, 0.01, PowerLaw(7.39e10, damping=0.3), friction_coefficient=0.1)
     first = modal(panel, 12, velocity=(0.3, 0.0), spin=0.4)
-    # Both move as one body but for the spring, which sets them against each other.
+    # Both would move as one body; the spring sets them against each other.
     second = replace(first, name=OUTER, position=(panel.length, 0.0), velocity=(0.3, 0.4 * panel.length))
     hinge = Joint("hinge", BEAM, OUTER, (panel.length, 0.0), (0.0, 0.0), bearing=bearing, spring=Spring(2.0, 1.0))
     for rtol in (1e-2, 1e-3, 1e-4, 1e-5):

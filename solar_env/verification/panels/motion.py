@@ -1,7 +1,7 @@
 """Cases of a panel that moves far: loaded at an end while it is free or held, spun up and falling about a hinge.
 
-One that turns is compared with beam elements, which leave out nothing. They are ANCF's: another formulation, in
-inertial coordinates, by another method.
+A panel that turns is compared with beam elements of the ANCF, which leave out nothing: another formulation, in inertial
+coordinates, by another method.
 """
 
 import cmath
@@ -40,7 +40,7 @@ Torque = Callable[[float], float]
 
 
 def step_responses() -> Iterator[Check]:
-    """Motion of the end under 1 N or 1 N m from t = 0 on."""
+    """Check motion of the end under 1 N or 1 N m from t = 0 on."""
     beam, end = DAMPED, (0.0, 0.0)
     theory = FineBeam(beam)
     for load, (name, quantity) in enumerate((("force", "deflection [m]"), ("moment", "slope [rad]"))):
@@ -52,8 +52,8 @@ def step_responses() -> Iterator[Check]:
                 simulation.advance(time)
                 place, turn = moved(simulation, 0)
                 expected = float(theory.step_response(load, time)[load])
-                # Modes that are left out ring by no more than their flexibility, as the pseudo-modes for them do. The
-                # panel turns by up to 1e-3 rad, of which theory knows nothing; steps have their tolerance.
+                # Modes that are left out ring by no more than their flexibility, and so do their pseudo-modes. The
+                # panel turns by up to 1e-3 rad, which the theory ignores; steps have their tolerance.
                 omega = theory.frequencies[modes]
                 ringing = 2.0 * theory.left_out(modes)[load] * math.exp(-0.5 * beam.damping * omega**2 * time)
                 tolerance = float(ringing) + 1e-5 * expected
@@ -62,7 +62,7 @@ def step_responses() -> Iterator[Check]:
 
 
 def bent(load: float, moment: float) -> tuple[float, float, float]:
-    """Largest slope against the frame [rad], and relative errors of the tip's deflection and turn, of a held panel.
+    """Return a held panel's largest slope in its frame [rad], and relative errors of the tip's deflection and turn.
 
     Args:
         load: P L^2 / (E I), across the undeformed panel.
@@ -78,7 +78,7 @@ def bent(load: float, moment: float) -> tuple[float, float, float]:
     simulation.advance(4.0)
     simulation.check()
     place, turn = moved(simulation, 1)
-    # The clamp gives way a little: of that the elastica is told.
+    # The clamp gives way a little, which the elastica takes into account.
     root = float(simulation.joint_loads()[0, columns.ANGLE])
     way = cmath.exp(1j * root)
     exact, exact_turn = deflected_tip(beam, force / way, moment * stiffness / length)
@@ -87,7 +87,7 @@ def bent(load: float, moment: float) -> tuple[float, float, float]:
 
 
 def large_deflections() -> Iterator[Check]:
-    """Tip loads and moments that bend a panel by up to 0.5 rad: errors, and whether the run tells of them."""
+    """Check tip loads and moments that bend a panel by up to 0.5 rad: errors, and the run's warnings of its range."""
     for name, load, moment in (
         *((f"P L^2 / (E I) = {load:g}", load, 0.0) for load in (0.1, 0.2, 0.4, 0.8)),
         *((f"M L / (E I) = {moment:g}", 0.0, moment) for moment in (0.1, 0.5)),
@@ -103,13 +103,13 @@ def large_deflections() -> Iterator[Check]:
 
 
 def _scaled(factor: float, damping: float) -> Beam:
-    """The array's panel with so many times its elasticity."""
+    """Return the array's panel with its stiffnesses times `factor`, and another damping."""
     stiffness = (factor * PANEL.axial_stiffness, factor * PANEL.bending_stiffness)
     return replace(PANEL, axial_stiffness=stiffness[0], bending_stiffness=stiffness[1], damping=damping)
 
 
 def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> tuple[Motion, bool]:
-    """Tip x + i y [m] of a hinged modal panel in its hinge's tangent, and whether the run warned of its range."""
+    """Return the tip x + i y [m] of a hinged modal panel over time, and whether the run warned of its range."""
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0))
     mechanism = Mechanism((modal(beam),), (hinge, loose((beam.length, 0.0))), gravity=(0.0, -gravity))
     simulation, found = start(mechanism, rtol=1e-5), np.zeros(times.size, complex)
@@ -125,7 +125,7 @@ def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: T
 
 
 def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Tip of the same panel of beam elements."""
+    """Return the tip of the same panel, made of beam elements."""
     mechanism = flexible_pendulum(beam, ELEMENTS, gravity=gravity)
     simulation, found = Simulation(mechanism, RungeKutta(rtol=1e-4)), np.zeros(times.size, complex)
     for k, time in enumerate(times):
@@ -136,7 +136,7 @@ def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque:
 
 
 def _rigid(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Tip of a rigid panel under the same torques, by SciPy."""
+    """Return the tip of a rigid panel under the same torques, by SciPy."""
     inertia, weight = beam.mass * beam.length**2 / 3.0, 0.5 * beam.mass * gravity * beam.length
     state, found, now = np.zeros(2), np.zeros(times.size, complex), 0.0
     for k, time in enumerate(times):
@@ -164,10 +164,10 @@ def _turning(
 
 
 def spin_up() -> Iterator[Check]:
-    """A hinged panel that a torque turns: bent by the torque, shortened, pulled straight; in its range and outside."""
+    """Check a hinged panel that a torque spins up: bent, shortened, pulled straight; within its range and outside."""
     inertia, end = PANEL.mass * PANEL.length**2 / 3.0, 0.6
-    # The spin raises the lowest frequency by up to 1e-3, and the phase of its vibration by a few times that; the faster
-    # one by up to 0.03.
+    # The slow spin raises the lowest frequency by up to 1e-3, and the phase of its vibration by a few times as much;
+    # the fast spin raises the frequency by up to 0.03.
     for rate, error, outside in ((2.0, 1e-2, False), (8.0, 5e-2, True)):
 
         def torque(time: float, rate: float = rate) -> float:
@@ -177,8 +177,8 @@ def spin_up() -> Iterator[Check]:
 
 
 def falling_pendulum() -> Iterator[Check]:
-    """A panel that falls about a hinge, from level, one ten times as soft, and one that is as good as rigid."""
-    # Up to 5e-3 of the frequency, at 4.4 rad/s, over four periods.
+    """Check a panel that falls about a hinge, from level, one ten times as soft, and one that is as good as rigid."""
+    # The spin changes the frequency by up to 5e-3, at 4.4 rad/s, over four periods.
     yield from _turning("falling panel", DAMPED, 0.5, STANDARD_GRAVITY, lambda _: 0.0, 3e-2)
     soft = _scaled(0.1, DAMPED.damping)
     yield from _turning("falling panel ten times as soft", soft, 0.5, STANDARD_GRAVITY, lambda _: 0.0, 0.1, True)

@@ -34,8 +34,8 @@ class Impact:
     """A rigid mass that strikes an end of a free beam or bar through a Hertzian contact, F = K depth^1.5.
 
     Attributes:
-        mass: of the striker [kg].
-        speed: at which it comes [m/s].
+        mass: mass of the striker [kg].
+        speed: speed of the striker before the impact [m/s].
         stiffness: K [N/m^1.5].
     """
 
@@ -44,7 +44,7 @@ class Impact:
     stiffness: float
 
     def force(self, depth: float) -> float:
-        """Contact force at a depth [m], by Hertz [N]."""
+        """Return the contact force at a depth [m], by Hertz [N]."""
         return self.stiffness * max(depth, 0.0) ** 1.5
 
 
@@ -58,15 +58,15 @@ class Struck:
 
 
 def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: float) -> Struck:
-    """A free bar that is struck along its axis, by its waves, which its other end returns as tension.
+    """Solve the impact on a free bar along its axis, by the bar's waves, which its other end returns as tension.
 
     The struck end moves at F(t) / z + 2 sum_n F(t - n T) / z, T = 2 length / wave_speed (J. N. Goodier and
     S. P. Timoshenko, Theory of Elasticity, 3rd ed., 1970; K. F. Graff, Wave Motion in Elastic Solids, 1975).
     Without compliance of the contact it is St. Venant's solution, F = z v0 exp(-z t / m) up to T.
 
     Args:
-        impact: of the mass.
-        length: [m].
+        impact: impact of the mass.
+        length: length of the bar [m].
         impedance: z = sqrt(E A rho A) [kg/s].
         wave_speed: sqrt(E / rho) [m/s].
     """
@@ -109,14 +109,14 @@ def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: floa
 
 
 def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> Struck:
-    """A free beam that is struck across its first end, by modes that answer a force linear in time exactly.
+    """Solve the impact on a free beam across its first end, by modes that answer a force linear in time exactly.
 
     The force at the end of every step solves one scalar equation. The error falls with the square of the step.
 
     Args:
-        impact: of the mass.
-        beam: undamped.
-        duration: until when [s]; the contact must have ended.
+        impact: impact of the mass.
+        beam: the beam, undamped.
+        duration: time of the end [s]; the contact must have ended by then.
         steps: number of steps.
     """
     h = duration / steps
@@ -154,7 +154,7 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
 
 
 def _strike(impact: Impact, direction: complex, modes: int, duration: float) -> tuple[float, float, float, float]:
-    """Peak force [N], impulse [N s], speed of the striker afterwards [m/s], and number of contacts."""
+    """Return the peak force [N], impulse [N s], speed of the striker afterwards [m/s], and number of contacts."""
     place, velocity = CLEARANCE * direction, impact.speed * direction
     origin, motion = (place.real, place.imag), (velocity.real, velocity.imag)
     striker = Body("striker", impact.mass, 1.0, 1.0, (0.0, 0.0), position=origin, velocity=motion)
@@ -175,7 +175,7 @@ def _checks(
     label = f"{impact.mass:g} kg at {impact.speed:g} m/s, modes = {modes}"
     *found, contacts = _strike(impact, direction, modes, float(exact.time[-1]))
     peak, impulse = float(exact.force.max()), float(np.trapezoid(exact.force, exact.time))
-    # The error of the speed is relative to that before.
+    # The error of the speed is relative to the speed before the impact.
     wanted = (
         ("peak force [N]", peak, peak),
         ("impulse [N s]", impulse, impulse),
@@ -189,18 +189,18 @@ def _checks(
 
 
 def struck_along() -> Iterator[Check]:
-    """A bar struck at its end, until the wave that its other end returns as tension parts the two."""
+    """Check a bar struck at its end, until the wave that its other end returns as tension parts the two."""
     impedance = math.sqrt(PANEL.axial_stiffness * PANEL.linear_density)
     wave_speed = math.sqrt(PANEL.axial_stiffness / PANEL.linear_density)
     impact = Impact(6.0, 0.01, STIFF)
     exact = struck_bar(impact, PANEL.length, impedance, wave_speed)
-    # Half as many axial modes; the error of the peak falls with their number.
+    # There are half as many axial modes; the error of the peak falls with their number.
     for modes, errors in ((24, (0.05, 1e-3, 1e-3)), (96, (3e-3, 5e-5, 5e-5)), (200, (3e-4, 1e-5, 1e-5))):
         yield from _checks(impact, exact, 1.0 + 0.0j, modes, errors, ST_VENANT)
 
 
 def struck_across() -> Iterator[Check]:
-    """A beam struck across its end: a dozen contacts in four milliseconds, and one that lasts."""
+    """Check a beam struck across its end: a dozen contacts in four milliseconds, and one that lasts."""
     theory = FineBeam(PANEL, modes=3000)
     hard, soft = Impact(2.0, 0.1, STIFF), Impact(0.5, 0.01, 0.1 * STIFF)
     for impact, few, many in (

@@ -35,8 +35,8 @@ class CableElements(BodyKind[FlexibleBody]):
         ("axial_stiffness", np.float64),
         ("bending_stiffness", np.float64),
         ("damping", np.float64),
-        ("mass_band", np.int64),  # first of the mass matrix in the bodies' constants: rows of MASS_BAND entries
-        ("mass_factor", np.int64),  # and of its factors
+        ("mass_band", np.int64),  # first entry of the mass matrix in the bodies' constants: rows of MASS_BAND entries
+        ("mass_factor", np.int64),  # first entry of the mass matrix's factors there
     ]
     deformable = True
 
@@ -73,7 +73,7 @@ class CableElements(BodyKind[FlexibleBody]):
         return motion[0], motion[1]
 
     def weight(self, body: FlexibleBody, gravity: Point) -> Array:
-        """Return the shape functions' integrals times the weight by length."""
+        """Return the shape functions' integrals times the weight per length."""
         step = body.element_length
         mass = body.linear_density * step
         force = np.zeros(self.coordinates(body))
@@ -112,7 +112,7 @@ class CableElements(BodyKind[FlexibleBody]):
 
 
 def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
-    """Table of the elements of all beams among bodies, in blocks.
+    """Return the table of the elements of all beams among bodies, in blocks.
 
     Args:
         bodies: first coordinate and description of each.
@@ -190,7 +190,7 @@ def solve_mass(body, constants, force, a):
 
 @kernel(inlined=False)
 def kinetic_energy(body, constants, v):
-    """Kinetic energy [J] of the body."""
+    """Return the kinetic energy [J] of the body."""
     total = 0.0
     for i in range(body.coordinates // 2):
         x = body.offset + 2 * i

@@ -8,7 +8,7 @@ import math
 from solar_env.mechanics.bodies.cable_element.matrices import AXIAL, BENDING
 from solar_env.mechanics.numerics.jit import kernel
 
-# Elements whose forces are worked out together, in blocks of constant length; and how many at least.
+# Elements per block, whose forces are computed together; REGISTER divides the number that is computed.
 LANES = 64
 REGISTER = 4
 TABLE_ROWS = 19
@@ -65,7 +65,7 @@ def add_bending_point(point, x, bending, damping, f):
 
 @kernel
 def element_forces(lanes, constants, table):
-    """Internal forces of a block of elements, several at a time in the processor's vector registers.
+    """Compute the internal forces of a block of elements, several at a time in the processor's vector registers.
 
     For that the loop has no branch, its quadrature points are written out, and all distances in `table` are constant.
 
@@ -111,7 +111,7 @@ def element_forces(lanes, constants, table):
 
 @kernel(inlined=False)
 def add_elastic_forces(elements, q, v, force, table):
-    """Add the internal forces of all beams to `force`; returns the power [W] that damping takes.
+    """Add the internal forces of all beams to `force`; return the power [W] that damping takes.
 
     `table` (TABLE_ROWS * LANES,) is scratch.
     """
@@ -147,7 +147,7 @@ def add_elastic_forces(elements, q, v, force, table):
 
 @kernel(inlined=False)
 def add_elastic_energy(body, q, total):
-    """Strain energy [J] of a beam, added to `total`."""
+    """Return the strain energy [J] of a beam, added to `total`."""
     length = body.element_length
     for e in range(body.elements):
         k = body.offset + 4 * e

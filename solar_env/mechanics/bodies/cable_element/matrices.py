@@ -10,12 +10,12 @@ from scipy.linalg import eigh
 
 # Bandwidth of a beam's mass matrix, the diagonal included: two neighbouring nodes.
 MASS_BAND = 4
-# Beyond this number the highest frequency depends on the length of an element alone.
+# Beyond this number of elements the highest frequency depends on the length of an element alone.
 _REPRESENTATIVE_ELEMENTS = 12
 
 
 def _quadrature(points: int) -> tuple[tuple[float, ...], ...]:
-    """Rows (weights of d, a, b in r'; the same in L r''; quadrature weight) at Gauss points of the unit interval."""
+    """Return rows by Gauss point of [0, 1]: weights of d, a, b in r'; the same in L r''; quadrature weight."""
     nodes, weights = np.polynomial.legendre.leggauss(points)
     rows = []
     for s, w in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):
@@ -30,7 +30,7 @@ BENDING = _quadrature(3)
 
 
 def _assembled(element: NDArray[np.float64], elements: int) -> NDArray[np.float64]:
-    """(2 (elements + 1), same) matrix of a beam from that of an element, in the order r_0, r'_0, r_1, r'_1, ..."""
+    """Assemble a beam's matrix (2 (elements + 1), same) from an element's, in the order r_0, r'_0, r_1, r'_1, ..."""
     matrix = np.zeros((2 * (elements + 1), 2 * (elements + 1)))
     for e in range(elements):
         matrix[2 * e : 2 * e + 4, 2 * e : 2 * e + 4] += element
@@ -38,7 +38,7 @@ def _assembled(element: NDArray[np.float64], elements: int) -> NDArray[np.float6
 
 
 def mass_matrix(elements: int, element_length: float, linear_density: float) -> NDArray[np.float64]:
-    """Mass matrix that acts on the x, and on the y coordinates."""
+    """Return the mass matrix, which acts on the x and likewise on the y coordinates."""
     L = element_length
     rows = [
         [156.0, 22.0 * L, 54.0, -13.0 * L],
@@ -50,7 +50,7 @@ def mass_matrix(elements: int, element_length: float, linear_density: float) -> 
 
 
 def shape_at(elements: int, element_length: float, place: float) -> NDArray[np.float64]:
-    """(2 (elements + 1),) shares of the nodes' places and slopes in the place of a point of the axis [m]."""
+    """Return the weights (2 (elements + 1),) of the nodes' places and slopes at a `place` [m] along the axis."""
     e = min(int(place / element_length), elements - 1)
     s = place / element_length - e
     shape = np.zeros(2 * (elements + 1))
@@ -66,9 +66,9 @@ def shape_at(elements: int, element_length: float, place: float) -> NDArray[np.f
 def stiffness_matrix(
     elements: int, element_length: float, axial_stiffness: float, bending_stiffness: float
 ) -> NDArray[np.float64]:
-    """Stiffness of the straight beam, axial and transverse motion added up.
+    """Return the stiffness of the straight beam, axial and transverse motion added up.
 
-    The two do not couple; with one stiffness zero the matrix is that of the other motion.
+    The two motions do not couple; with one stiffness zero the matrix belongs to the other motion.
     """
     element = np.zeros((4, 4))
     bending = bending_stiffness / element_length**2
@@ -81,7 +81,7 @@ def stiffness_matrix(
 
 
 def lower_band(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(rows, MASS_BAND) lower band of a matrix: entry (i, k) is that of column i - 3 + k."""
+    """Return the (rows, MASS_BAND) lower band of a matrix: entry (i, k) is row i, column i - 3 + k."""
     band = np.zeros((len(matrix), MASS_BAND))
     for k in range(MASS_BAND):
         offset = MASS_BAND - 1 - k
@@ -90,7 +90,7 @@ def lower_band(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def factor_band(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Lower band of the factors L D L^T of a mass matrix: L below, 1 / D in the last column."""
+    """Factor a mass matrix as L D L^T; return the lower band of L, with 1 / D in the last column."""
     factor = np.linalg.cholesky(matrix)
     pivots = np.diagonal(factor)
     band = lower_band(factor / pivots)
@@ -107,7 +107,7 @@ def stable_step(
     bending_stiffness: float,
     damping: float,
 ) -> float:
-    """Largest step [s] with which explicit Runge-Kutta of order four is stable on the free straight beam.
+    """Return the largest step [s] with which explicit Runge-Kutta of order four is stable on the free straight beam.
 
     Every vibration obeys z'' + damping omega^2 z' + omega^2 z = 0. Its eigenvalues times the step must lie where
     |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996,

@@ -2,9 +2,8 @@
 
 With x = (chord, slopes) of an element, its strains are e(x), their rates e' = G x' with G = de/dx, and its internal
 force is the integral of G^T (stiffness) (e + damping * e'). At every quadrature point the strain depends on r', or on
-r' and L r'': the slopes by these are worked out first, those by x follow with the shape functions. Several elements are
-worked on at a time, in the processor's vector registers; for that, what is read and what is written are arrays of their
-own.
+r' and L r'': the slopes by these are computed first, the slopes by x follow with the shape functions. Several elements
+are computed at a time, in the processor's vector registers; for that, inputs and outputs are separate arrays.
 """
 
 import math
@@ -35,7 +34,7 @@ class ElementSlopes(NamedTuple):
 
 
 def make_element_slopes() -> ElementSlopes:
-    """Allocate the arrays."""
+    """Allocate the scratch arrays of `add_elastic_tangents`."""
     return ElementSlopes(
         motion=np.zeros(12 * COLUMNS),
         local_stiffness=np.zeros(4 * _POINTS * COLUMNS),
@@ -46,7 +45,7 @@ def make_element_slopes() -> ElementSlopes:
 
 
 def _expansion() -> NDArray[np.float64]:
-    """(9, _POINTS) weights of the local slopes in those by each pair of (chord, slope, slope)."""
+    """Return the (9, _POINTS) weights of the local slopes in the slopes by each pair of (chord, slope, slope)."""
     rows = []
     for i in range(3):
         for j in range(3):
@@ -63,7 +62,7 @@ _EXPANSION = _expansion()
 
 @kernel
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Slopes of the axial force at a quadrature point by r' and its rate."""
+    """Compute the slopes of the axial force at a quadrature point by r' and its rate."""
     d, a, b, _, _, _, w = point
     for i in range(lanes):
         rx = d * table[i] + a * table[2 * COLUMNS + i] + b * table[4 * COLUMNS + i]
@@ -92,7 +91,7 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Slopes of the bending moment at a quadrature point by r' and L r'' and their rates."""
+    """Compute the slopes of the bending moment at a quadrature point by r' and L r'' and their rates."""
     d, a, b, e, g, h, w = point
     for i in range(lanes):
         dx, dy, ax, ay = table[i], table[COLUMNS + i], table[2 * COLUMNS + i], table[3 * COLUMNS + i]
@@ -157,7 +156,7 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _expand(lanes, local, found):
-    """Slopes by chord and slopes from those at the points."""
+    """Compute the slopes by chord and slopes from the slopes at the quadrature points."""
     for pair in range(9):
         weights = _EXPANSION[pair]
         for entry in range(4):

@@ -44,7 +44,7 @@ from solar_env.mechanics.numerics.profile import BLOCK, clear, enter, profile_fa
 from solar_env.mechanics.records.recording import record_sample
 
 _MOST_ITERATIONS = 60
-# Full corrections at first; where kinks of contact or friction make them cycle for so long, smaller shares of them.
+# Iterations that may cycle, at kinks of contact or friction, before only shares of the corrections are taken.
 _PATIENCE = 12
 
 
@@ -62,7 +62,7 @@ class AlphaSettings(NamedTuple):
 class Iteration(NamedTuple):
     """Arrays of the step in hand."""
 
-    start_q: NDArray[np.float64]  # where it begins: the accepted state, returned to the constraints after a restart
+    start_q: NDArray[np.float64]  # start of the step: the accepted state, moved back to the constraints by a restart
     start_v: NDArray[np.float64]
     q: NDArray[np.float64]
     v: NDArray[np.float64]
@@ -71,8 +71,8 @@ class Iteration(NamedTuple):
     multipliers: NDArray[np.float64]  # unscaled
     newton: NewtonMatrices
     rhs: NDArray[np.float64]  # (n + m + bodies,)
-    solution: NDArray[np.float64]  # (blocks, BLOCK) the same in the order of elimination
-    power: NDArray[np.float64]  # at the step's start
+    solution: NDArray[np.float64]  # (blocks, BLOCK) `rhs` in the order of elimination
+    power: NDArray[np.float64]  # powers at the step's start
     scratch_q: NDArray[np.float64]
     scratch_v: NDArray[np.float64]
     scratch_a: NDArray[np.float64]
@@ -108,7 +108,7 @@ def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
 
 @kernel
 def fill_residual(model, state, it, work, time, scale):
-    """Right-hand side of Newton's equations: minus the scaled residual of dynamics, minus the constraints."""
+    """Fill the right-hand side of Newton's equations: minus residuals of dynamics (times `scale`) and constraints."""
     bodies, rhs, force = model.bodies, it.rhs, work.force
     q, multipliers = it.q, it.multipliers
     n, rows = q.size, work.residual.size
@@ -148,7 +148,7 @@ def solve_newton(model, it):
 
 @kernel
 def solve_step(model, state, it, work, settings, h):
-    """Solve one step into `it`; returns the last correction in units of the tolerance (at most 1 if it converged)."""
+    """Solve one step into `it`; return the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size
     alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
     q0, v0, a0, x0 = it.start_q, it.start_v, state.a, state.algorithmic_a
@@ -250,7 +250,7 @@ def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
 
 
 def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
-    """The settings as the kernels take them; of other types they would be compiled anew."""
+    """Convert the settings to the types that the kernels take; for other types kernels would be compiled anew."""
     return AlphaSettings(
         *alpha_coefficients(chosen.rho_inf),
         float(chosen.step),
@@ -260,7 +260,7 @@ def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
 
 @kernel
 def prepare(model, state, arrays):
-    """Contact modes and powers at the start of a step.
+    """Compute the contact modes and powers at the start of a step.
 
     A journal that flies freely gets its present approach speed as the impact speed, should the step end in contact.
     """
@@ -287,7 +287,7 @@ def engage_stops(model, state, arrays):
 
 @kernel
 def begin_alpha(model, state, settings, arrays):
-    """Fill what the arrays hold of a model and its present state."""
+    """Fill the arrays from a model and its present state."""
     it = arrays.iteration
     engage_stops(model, state, arrays)
     fill_rows(model, arrays.work)
@@ -305,13 +305,13 @@ def begin_alpha(model, state, settings, arrays):
 
 @kernel
 def choose_alpha(model, state, settings, arrays, remaining):
-    """Step to try [s]: the fixed one, divided so that a whole number of them ends the call."""
+    """Return the step to try [s]: the fixed one, shortened so that a whole number of steps ends the call."""
     return remaining / math.ceil(remaining / settings.step - 1e-9)
 
 
 @kernel
 def attempt_alpha(model, state, settings, arrays, h):
-    """Fill a step `h` [s]; its error in units of the tolerance, negative if constraints are singular."""
+    """Solve a step `h` [s]; return its error in units of the tolerance, negative if constraints are singular."""
     clock, trial, it, work = state.clock[0], arrays.trial[0], arrays.iteration, arrays.work
     prepare(model, state, arrays)
     copy_into(it.start_q, state.q)
@@ -375,18 +375,18 @@ def commit_alpha(model, state, settings, arrays, h, share):
 
 @kernel
 def evaluate_alpha(model, state, arrays, changed):
-    """Fill what the joints' motion takes from the loads at the accepted state."""
+    """Fill angles, rates and forces of the joints from the loads at the accepted state."""
     take_loads(arrays.work.loads, arrays.motion)
     return True
 
 
 @kernel
 def depth_at_start(model, state, arrays, j, h, share):
-    """Penetration [m] of joint `j`, at the start of the step alone: events inside it are not looked for."""
+    """Return the penetration [m] of joint `j`, at the start of the step alone: events inside it are not looked for."""
     return arrays.motion[j].depth
 
 
 @kernel
 def angle_at_start(model, state, arrays, j, h, share):
-    """Angle [rad] of joint `j`, likewise."""
+    """Return the angle [rad] of joint `j` at the start of the step alone, as `depth_at_start`."""
     return arrays.motion[j].angle

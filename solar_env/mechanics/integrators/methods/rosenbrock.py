@@ -1,8 +1,8 @@
 """Explicit Runge-Kutta steps, and in Rosenbrock's method linearly implicit ones where they are worth their price.
 
-With flexible bodies the explicit step (`runge_kutta.py`) is unstable beyond a known size. Where accuracy would allow
-several times as long a one, Rosenbrock's method tries a linearly implicit step (`rosenbrock_step.py`); of rigid bodies
-alone both methods are the same. They have their kernels in common, so that these are compiled once.
+With flexible bodies the explicit step (`runge_kutta.py`) is unstable beyond a known size. Where accuracy would allow a
+step several times as long, Rosenbrock's method tries a linearly implicit one (`rosenbrock_step.py`). With rigid bodies
+alone both methods are the same. They share their kernels, which are compiled once.
 """
 
 from typing import NamedTuple
@@ -39,19 +39,18 @@ from solar_env.mechanics.records.history import step_limit
 ORDER = 4  # of convergence, of both kinds of step
 # Share of the flexible bodies' stable step that is used: on its very limit their highest mode would not decay.
 _STABILITY_MARGIN = 0.95
-# A linearly implicit step is taken if it is so many times as long as the stable explicit one. It costs five times as
-# much, but the explicit method's estimate sees the stiff vibrations too and promises less than can be had.
+# Least ratio of a linearly implicit step to the stable explicit one. An implicit step costs five times as much, but the
+# explicit method's estimate also sees the stiff vibrations and promises shorter steps than the implicit one can take.
 _WORTH = 2.5
-# Its error is dissipation of vibrations that it does not resolve, which the energy book lacks: hence a stricter
-# tolerance.
+# Factor on a linearly implicit step's error: it dissipates unresolved vibrations, which the energy book lacks.
 _STRICTER = 2.0
-# After a try that has failed the next one waits for twice as many explicit steps, up to so many.
+# Most explicit steps before the next try: after a failed try the number of steps is doubled.
 _LONGEST_WAIT = 256
-# Of steps that accuracy alone would bound.
+# Controller of steps that accuracy alone would bound.
 _CONTROL = StepController(4.0)
 
-# While a flexible mechanism moves more slowly than its velocity scale over _SLOW, the scale shrinks with the square of
-# its speed, to _LEAST_SCALE at most: impacts amplify errors, and those of the first, slow impacts grow for longest.
+# While a flexible mechanism moves more slowly than its velocity scale divided by _SLOW, the scale shrinks with the
+# square of its speed, down to _LEAST_SCALE of it: impacts amplify errors, and the first, slow impacts' errors longest.
 _SLOW = 0.5
 _LEAST_SCALE = 1e-3
 
@@ -79,7 +78,7 @@ class StageArrays(NamedTuple):
 
 
 def convert_settings(chosen: RungeKutta) -> StageSettings:
-    """The settings as the kernels take them; of other types they would be compiled anew."""
+    """Convert the settings to the types that the kernels take; for other types kernels would be compiled anew."""
     return StageSettings(
         float(chosen.rtol),
         float(chosen.velocity_scale),
@@ -99,7 +98,7 @@ def make_stage_arrays(model: Model, state: State) -> StageArrays:
 
 @kernel
 def present_velocity_scale(velocity_scale, weights, v0, v):
-    """Velocity scale [m/s] for the present speed of a flexible mechanism."""
+    """Return the velocity scale [m/s] for the present speed of a flexible mechanism."""
     top = 0.0
     for i in range(v.size):
         top = max(top, weights[i] * max(abs(v0[i]), abs(v[i])))
@@ -108,7 +107,7 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
 
 @kernel
 def begin_rosenbrock(model, state, settings, arrays):
-    """Prepare a call, without what other lanes and calls have left; False if constraints are singular."""
+    """Prepare a call, free of values from other lanes and calls; return False if constraints are singular."""
     step = arrays.step
     arrays.stiff.active[0] = 0
     step.linearized[0] = NEVER
@@ -120,7 +119,7 @@ def begin_rosenbrock(model, state, settings, arrays):
 
 @kernel
 def choose_rosenbrock(model, state, settings, arrays, remaining):
-    """Step to try [s] by accuracy, impacts and stability, and whether it is linearly implicit."""
+    """Return the step to try [s] by accuracy, impacts and stability; note whether it is linearly implicit."""
     clock, trial, stable = state.clock[0], arrays.trial[0], _STABILITY_MARGIN * model.stable_step
     wanted = step_limit(state, settings)
     trial.implicit = settings.implicit and clock.explicit_wait <= 0 and wanted > _WORTH * stable
@@ -130,7 +129,7 @@ def choose_rosenbrock(model, state, settings, arrays, remaining):
 
 @kernel
 def attempt_rosenbrock(model, state, settings, arrays, h):
-    """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
+    """Try a step `h` [s], whose end goes to `stages`; return its error in tolerances, negative if singular."""
     work, stages = arrays.work, arrays.stages
     if arrays.trial[0].implicit:
         error = _STRICTER * attempt_implicit(model, state, stages, arrays.step, work, settings, h)
@@ -157,7 +156,7 @@ def adapt_rosenbrock(model, state, settings, arrays, accepted):
         if trial.implicit:
             clock.explicit_patience = 0
         if trial.bound and not trial.last:
-            # What accuracy alone would allow.
+            # The step that accuracy alone would allow.
             clock.step_size = max(clock.step_size, trial.wanted * growth(_CONTROL, trial.error, 1.0))
     elif trial.implicit and clock.step_size <= _WORTH * (_STABILITY_MARGIN * model.stable_step):
         clock.explicit_patience = min(max(2 * clock.explicit_patience, 4), _LONGEST_WAIT)

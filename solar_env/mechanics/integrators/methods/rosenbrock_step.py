@@ -61,7 +61,7 @@ _C = (
 
 
 class LinearStep(NamedTuple):
-    """Arrays of a linearly implicit step; places are those of the order of elimination."""
+    """Arrays of a linearly implicit step; arrays (blocks, BLOCK) are in the order of elimination."""
 
     newton: NewtonMatrices  # of the stage equations
     coordinate_increments: NDArray[np.float64]  # (stages, n)
@@ -73,10 +73,10 @@ class LinearStep(NamedTuple):
     v: NDArray[np.float64]
     a: NDArray[np.float64]
     past_velocity: NDArray[np.float64]  # (n,) sum of c_ij u_j / h
-    rate: NDArray[np.float64]  # (n,) of the coordinates, but for the increment in hand
+    rate: NDArray[np.float64]  # (n,) rates of the coordinates, without the increment in hand
     multipliers: NDArray[np.float64]  # (m + bodies,)
     unknowns: NDArray[np.float64]  # (blocks, BLOCK)
-    factor: NDArray[np.float64]  # (blocks, BLOCK) of a product
+    factor: NDArray[np.float64]  # (blocks, BLOCK) vector of a product
     product: NDArray[np.float64]  # (blocks, BLOCK)
     linearized: NDArray[np.int64]  # (1,) number of the accepted step whose end the tangents belong to, or NEVER
 
@@ -122,7 +122,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
 
 @kernel
 def set_stage(state, stages, step, s, h):
-    """Values of the coordinates, velocities, accelerations and multipliers at stage `s`, and its past terms."""
+    """Compute coordinates, velocities, accelerations and multipliers at stage `s`, and its terms from past stages."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
     copy_into(q, state.q)
     copy_into(v, state.v)
@@ -149,7 +149,7 @@ def set_stage(state, stages, step, s, h):
 
 @kernel
 def solve_stage(model, state, stages, step, s, force, diagonal):
-    """Increments of stage `s` for the applied `force` (n,) at its values."""
+    """Compute the increments of stage `s` for the applied `force` (n,) at its values."""
     elimination, position = model.elimination, model.elimination.position
     n, rows = state.q.size, model.constraints.size.size
     x, factor, product = step.unknowns, step.factor, step.product
@@ -188,7 +188,7 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
 
 @kernel
 def border_length(state, start_a, step, k, row, position, diagonal):
-    """Enter a rigid body's length, and what its multiplier's force is beyond the linear one, in a right-hand side."""
+    """Enter a rigid body's length, and its multiplier's force beyond the linear part, in a right-hand side."""
     q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
     multiplier, start = step.multipliers[row], state.multipliers[row]
     square = diagonal * diagonal
@@ -208,16 +208,16 @@ def border_length(state, start_a, step, k, row, position, diagonal):
 
 @kernel(inlined=False)
 def evaluate_forces(model, joint_states, q, v, work):
-    """`system.applied_forces` as a call: inlined at every place it would take long to compile."""
+    """Call `system.applied_forces`, which would take long to compile if it were inlined at every place."""
     applied_forces(model, joint_states, q, v, work)
 
 
 @kernel
 def take_contacts_from_ends(joints, power, gain, h):
-    """Put the trapezoidal rule in place of Simpson's for the integrals of contacts.
+    """Replace Simpson's rule by the trapezoidal rule in the integrals of contacts.
 
     The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step:
-    the solution has it at its ends, but not its interpolant in between.
+    the solution has this depth at its ends, but its interpolant does not have it in between.
     """
     for j in range(joints.size):
         if joints[j].kind == m.CLEARANCE:
@@ -228,7 +228,7 @@ def take_contacts_from_ends(joints, power, gain, h):
 
 @kernel
 def estimate_error(model, state, stages, step, settings):
-    """Greatest component of the error estimate, which is the last increment, in units of the tolerance."""
+    """Return the greatest component of the error estimate, which is the last increment, in units of the tolerance."""
     last = ROSENBROCK_STAGES - 1
     uq, uv = step.coordinate_increments[last], step.velocity_increments[last]
     v0, v, weights, ratios = state.v, stages.v, model.error_weight, stages.ratios
@@ -242,7 +242,7 @@ def estimate_error(model, state, stages, step, settings):
 
 @kernel(inlined=False)
 def attempt_implicit(model, state, stages, step, work, settings, h):
-    """Fill a linearly implicit step `h`, its end going to `stages` as in `runge_kutta.take_stages`.
+    """Try a linearly implicit step `h` [s], whose end goes to `stages` as in `runge_kutta.take_stages`.
 
     Returns:
         The error in units of the tolerance; negative if the constraints are singular.

@@ -2,8 +2,8 @@
 
 Kutta's 3/8 rule of order four with an error estimate of order three that uses the first-same-as-last stage (E. Hairer,
 S. P. Norsett and G. Wanner, Solving Ordinary Differential Equations I, 1993, sections II.1 and II.4,
-doi:10.1007/978-3-540-78862-1). In lasting contact the stiffness of the bearing bounds the step; of the common methods
-those with four stages and order four cover the most time per evaluation: their stability interval on the imaginary
+doi:10.1007/978-3-540-78862-1). In lasting contact the stiffness of the bearing bounds the step; of the common methods,
+methods with four stages and order four cover the most time per evaluation: their stability interval on the imaginary
 axis, 2 sqrt(2), is nearly as long as four stages allow. Lasting contacts, and with beams the dampers of stops, are
 treated linearly implicitly (`stiff_forces.py`).
 """
@@ -36,8 +36,8 @@ _COUPLING = (
 # integrals, to which estimates from the last two stages alone are blind.
 _ERROR = tuple(weight / 40.0 for weight in (-1.0, 3.0, -3.0, -3.0, 4.0))
 
-# Share of a lasting contact's depth that a step may be off. The depth is some nanometres: to a tolerance of positions
-# alone a step could press the contact with a hundred times its force.
+# Share of a lasting contact's depth by which a step may be off. The depth is some nanometres: with a tolerance of
+# positions alone a step could press the contact with a hundred times its force.
 _DEPTH_ERROR = 0.01
 
 # Integrals that enter the energy book, and with it the error norm.
@@ -51,7 +51,7 @@ class StiffForces(NamedTuple):
     stiffness: NDArray[np.float64]  # (joints,) along the gradient; 0 for a stop, whose damping alone is stiff
     damping: NDArray[np.float64]  # (joints,)
     shares: NDArray[np.float64]  # (joints, 2) of the stop and of the damper in the damping; friction has the rest
-    resistance: NDArray[np.float64]  # (joints,) damping with what the stiffness adds to it over a stage
+    resistance: NDArray[np.float64]  # (joints,) damping plus the part that the stiffness adds in a stage
     gradient: NDArray[np.float64]  # (joints, n) of angle or depth
     response: NDArray[np.float64]  # (joints, n) accelerations by a unit force
     motion: NDArray[np.float64]  # (joints, n) motions by 1 along one gradient and by 0 along the others
@@ -100,7 +100,7 @@ def make_stiff_forces(state: State) -> StiffForces:
 
 @kernel
 def restore_ends(v0, stages, stiff):
-    """Undo the correction for stiff forces at both ends: interpolant and further steps take what holds there itself."""
+    """Undo the correction for stiff forces at both ends: interpolant and further steps take uncorrected values."""
     velocity, acceleration, power = stages.velocity, stages.acceleration, stages.power
     copy_into(velocity[0], v0)
     copy_into(acceleration[0], stiff.start)
@@ -158,7 +158,7 @@ def take_stages(model, state, arrays, h):
 
 @kernel
 def contact_error(model, arrays, stiff, h):
-    """Greatest error estimate of a lasting contact's depth, in units of its tolerance, a share of the depth itself."""
+    """Return the greatest error of a lasting contact's depth in units of its tolerance, a share of the depth itself."""
     worst, stages = 0.0, arrays.stages
     for c in range(stiff.active[0]):
         if stiff.stiffness[c] > 0.0:
@@ -172,7 +172,7 @@ def contact_error(model, arrays, stiff, h):
 
 @kernel
 def error_norm(model, state, arrays, rtol, velocity_scale, h):
-    """Greatest component of the error estimate in units of the tolerance."""
+    """Return the greatest component of the error estimate in units of the tolerance."""
     stages, stiff = arrays.stages, arrays.stiff
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
     e0, e1, e2, e3, e4 = _ERROR

@@ -30,7 +30,7 @@ _PEAK_SAMPLES = 8
 
 @kernel
 def fill_rows(model, work):
-    """Fill what a workspace holds of a model's constraints."""
+    """Fill a workspace's rows and columns of a model's constraints."""
     for r in range(work.row_value.shape[0]):
         copy_into(work.row_value[r], model.constraints.value[r])
     fill_columns(model, work, False)
@@ -56,8 +56,8 @@ def take_loads(loads, motion):
 def begin_stages(model, state, settings, arrays):
     """Prepare a call, from the accelerations of the last one where they hold; False if constraints are singular.
 
-    Stages are cleared: those that a step has not come to yet enter with the weight zero, which does not take away what
-    is not finite.
+    Stages are cleared: a stage that a step has not reached yet enters with weight zero, which does not remove a value
+    that is not finite.
     """
     work, stages, clock = arrays.work, arrays.stages, state.clock[0]
     for array in (stages.velocity, stages.acceleration, stages.power):
@@ -84,7 +84,7 @@ def begin_stages(model, state, settings, arrays):
 
 @kernel
 def depth_in_stages(model, state, arrays, j, h, share):
-    """Penetration [m] of joint `j` at a share of the step."""
+    """Return the penetration [m] of joint `j` at a share of the step."""
     if share == 0.0:
         return arrays.motion[j].depth
     return hermite_depth(model.joints[j], model.markers, state, arrays.stages, h, share)
@@ -92,7 +92,7 @@ def depth_in_stages(model, state, arrays, j, h, share):
 
 @kernel
 def angle_in_stages(model, state, arrays, j, h, share):
-    """Angle [rad] of joint `j` at a share of the step."""
+    """Return the angle [rad] of joint `j` at a share of the step."""
     if share == 1.0:
         return arrays.work.loads[j, ANGLE]
     hermite_state(state, arrays.stages, h, share)
@@ -132,10 +132,10 @@ def refine_peak(model, state, stages, j, h, share):
 
 @kernel
 def refine_peaks(model, state, arrays, h, share):
-    """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling.
+    """Find the force peaks inside the step: where a penetration has turned from growing to falling.
 
-    Not those of lasting contacts in steps that are linearly implicit or corrected for stiff contacts: their interpolant
-    has depths that never were, see `rosenbrock.take_contacts_from_ends` and
+    Lasting contacts are left out in steps that are linearly implicit or corrected for stiff contacts: their interpolant
+    has depths that never were, see `rosenbrock_step.take_contacts_from_ends` and
     `stages.interpolate_without_accelerations`, and forces up to a thousand times the real ones.
     """
     coarse, stages = arrays.trial[0].implicit or arrays.trial[0].stiff_contacts, arrays.stages
@@ -150,7 +150,7 @@ def refine_peaks(model, state, arrays, h, share):
 
 @kernel
 def complete_nothing(model, state, settings, arrays, h):
-    """Do nothing: the end of the step is there."""
+    """Do nothing: the end of the step is complete."""
 
 
 @kernel
@@ -194,14 +194,14 @@ def evaluate_stages(model, state, arrays, changed):
 
 @kernel
 def resume_stages(model, state, arrays):
-    """Go on from the accepted state."""
+    """Fill the impact speeds and the first stage's velocities from the accepted state."""
     set_impact_speeds(state.joints, arrays.work.impact_speeds)
     copy_into(arrays.stages.velocity[0], state.v)
 
 
 @kernel
 def open_contact(model, state, arrays, j):
-    """Inverse mass [1/kg] that joint `j` feels along its line of centres at the accepted state."""
+    """Return the inverse mass [1/kg] that joint `j` feels along its line of centres at the accepted state."""
     scratch, joint = arrays.scratch, model.joints[j]
     scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, model.markers, state.q)
     return normal_inverse_mass(model, state.q, state.v, j, scratch)
@@ -209,7 +209,7 @@ def open_contact(model, state, arrays, j):
 
 @kernel
 def contact_arcs(model, state, arrays, j):
-    """Arcs of the journal and of the bearing of joint `j` in sliding: where they are at the end of the short step."""
+    """Return the arcs (middle, half) [rad] along which journal and bearing slid: points at the end of a short step."""
     joint, markers, loads = model.joints[j], model.markers, arrays.work.loads
     ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
     journal = vector_angle(markers[joint.outboard], state.q, ex, ey)

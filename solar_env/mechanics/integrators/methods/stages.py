@@ -1,7 +1,7 @@
 """The step in hand of a method in stages: derivatives, end, and Hermite's interpolant between start and end.
 
 Row 0 of the stage arrays holds the derivatives at the step's start, the last row those at its end, whatever the method.
-Between the ends positions follow the quintic and velocities the cubic Hermite polynomial through what is known there
+Between the ends positions follow the quintic and velocities the cubic Hermite polynomial through all values at the ends
 (E. Hairer, S. P. Norsett and G. Wanner, Solving Ordinary Differential Equations I, 1993, section II.6,
 doi:10.1007/978-3-540-78862-1).
 """
@@ -33,8 +33,8 @@ class Stages(NamedTuple):
     scratch_a: NDArray[np.float64]  # (n,)
     integrals: NDArray[np.float64]  # interpolated integrals
     energies: NDArray[np.float64]  # (ENERGIES,)
-    ratios: NDArray[np.float64]  # (n,) error by tolerance
-    multipliers: NDArray[np.float64]  # (m + bodies,) scratch; at the end of a linearly implicit step
+    ratios: NDArray[np.float64]  # (n,) error divided by tolerance
+    multipliers: NDArray[np.float64]  # (m + bodies,) scratch; after a linearly implicit step, at its end
 
 
 def make_stages(state: State, rows: int) -> Stages:
@@ -89,7 +89,7 @@ def refresh(model, state, stages, work):
 
 @kernel
 def quintic_weights(s):
-    """Weights of position, velocity * h and acceleration * h^2 at the start, then at the end, at the share `s`."""
+    """Return the weights at share `s` of position, velocity * h, acceleration * h^2 of the start, then of the end."""
     s3 = s * s * s
     end = s3 * (10.0 - s * (15.0 - 6.0 * s))
     return (
@@ -104,14 +104,14 @@ def quintic_weights(s):
 
 @kernel
 def cubic_weights(s):
-    """Weights of value and slope * h at the start, then at the end, at the share `s`."""
+    """Return the weights of value and slope * h at the start, then at the end, at the share `s`."""
     end = s * s * (3.0 - 2.0 * s)
     return 1.0 - end, s * (1.0 - s) * (1.0 - s), end, s * s * (s - 1.0)
 
 
 @kernel(inlined=False)
 def hermite_state(state, stages, h, share):
-    """State at `share` of the step, into `stages.scratch_q` and `stages.scratch_v`."""
+    """Fill `stages.scratch_q` and `stages.scratch_v` with the state at `share` of the step."""
     q0, v0, q1, v1 = state.q, state.v, stages.q, stages.v
     acceleration, q, v = stages.acceleration, stages.scratch_q, stages.scratch_v
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
@@ -124,7 +124,7 @@ def hermite_state(state, stages, h, share):
 
 @kernel
 def hermite_depth(joint, markers, state, stages, h, share):
-    """Penetration [m] of a joint at `share` of the step: the eccentricity is linear in q and interpolated alone."""
+    """Return the penetration [m] of a joint at `share`: its eccentricity, linear in q, is interpolated alone."""
     acceleration = stages.acceleration
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
     ex0, ey0 = relative(joint, markers, state.q)
@@ -140,10 +140,10 @@ def hermite_depth(joint, markers, state, stages, h, share):
 
 @kernel
 def interpolate_without_accelerations(state, stages, h, share):
-    """Coordinates at `share` of the step from those and the velocities at its ends alone, into `stages.scratch_q`.
+    """Fill `stages.scratch_q` at `share` of the step from coordinates and velocities at its ends alone.
 
-    For steps that were corrected for stiff contacts: accelerations at the ends are not those in between, and a share of
-    them would press a lasting contact, some nanometres deep, open or shut.
+    For steps that were corrected for stiff contacts: accelerations at the ends differ from those between, and a share
+    of them would press a lasting contact, some nanometres deep, open or shut.
     """
     q0, v0, q1, v1, q = state.q, state.v, stages.q, stages.v, stages.scratch_q
     c0, c1, d0, d1 = cubic_weights(share)
@@ -153,7 +153,7 @@ def interpolate_without_accelerations(state, stages, h, share):
 
 @kernel
 def hermite_integrals(state, stages, h, share):
-    """Integrals at `share` of the step, into `stages.integrals`."""
+    """Compute the integrals at `share` of the step, into `stages.integrals`."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
     _, start, whole, end = cubic_weights(share)
     for k in range(integrals.size):

@@ -10,7 +10,7 @@ contacts, the accelerations' part along g to velocities. A W-method (T. Steihaug
 
 k_i = f(y + h sum_j alpha_ij k_j) + h A sum_j gamma_ij k_j + h gamma_i r,
 
-with a system of equations of one unknown a force for every stage: its rate of change. With A = 0 it is the Runge-Kutta
+with a system of equations for every stage, one unknown per force: its rate of change. With A = 0 it is the Runge-Kutta
 method itself. In the last term (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996, section
 IV.7, doi:10.1007/978-3-642-05221-7), which contacts need, r is the rate of change of f that A leaves out: the force
 that a contact must balance moves with everything else.
@@ -30,8 +30,8 @@ from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
 from solar_env.mechanics.records.history import IMPACT_DURATIONS
 
 # gamma_ij on and below the diagonal, for the stages of Kutta's 3/8 rule and for the one that only the error estimate
-# uses. They solve: order 3 for any A, for the embedded estimate as well; order 4 for linear equations whose Jacobian is
-# A, whose vibrations decay at every step size (A-stable; to a third per step at infinity).
+# uses. They give order 3 for any A, to the embedded estimate as well, and order 4 for linear equations with the
+# Jacobian A, whose vibrations decay at every step size (A-stable; to a third per step at infinity).
 DIAGONAL = 0.5
 COUPLING = (
     (0.0, 0.0, 0.0, 0.0),
@@ -43,13 +43,13 @@ COUPLING = (
 # Below this product of step and decay rate, or of step and angular frequency, the explicit method needs no help.
 _STIFF_DAMPING = 0.3
 _STIFF_CONTACT = 2.4
-# Of the step: over it the rate of change is measured.
+# Share of the step over which the rate of change is measured.
 _PROBE = 0.1
 
 
 @kernel
 def product(a, b):
-    """Scalar product."""
+    """Return the scalar product of two vectors."""
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]
@@ -58,7 +58,7 @@ def product(a, b):
 
 @kernel
 def past_sum(values, stage, i):
-    """Sum over the stages before `stage` of gamma_ij times entry `i` of `values` (stages, entries)."""
+    """Return the sum over the stages before `stage` of gamma_ij times entry `i` of `values` (stages, entries)."""
     total = 0.0
     for s in range(min(stage, 4)):
         total += COUPLING[stage][s] * values[s, i]
@@ -86,7 +86,7 @@ def contact_directions(joint, markers, q, v, gradient, force):
 
 @kernel
 def lasts(joint_state, time):
-    """Whether a joint is in contact and its impact, which has shorter steps, over."""
+    """Return whether a joint is in contact and its impact, which has shorter steps, is over."""
     return (
         joint_state.in_contact != 0
         and time - joint_state.contact_start >= IMPACT_DURATIONS * joint_state.contact_duration
@@ -95,7 +95,7 @@ def lasts(joint_state, time):
 
 @kernel
 def may_be_stiff(model, state):
-    """Whether some force could be stiff: a look that costs next to nothing."""
+    """Return whether some force could be stiff; the check costs next to nothing."""
     flexible, time, found = model.flexible != 0, state.clock[0].time, False
     joint_states = state.joints
     for j in range(joint_states.size):
@@ -106,14 +106,14 @@ def may_be_stiff(model, state):
 
 @kernel
 def collect(model, state, work, stiff, h):
-    """Enter the forces that are stiff over a step `h`; returns their number, and whether contacts are among them.
+    """Enter the forces that are stiff over a step `h`; return their number, and whether contacts are among them.
 
     Beams have inertias so small that a stop's damping is stiff, and axial vibrations that bound the step more than
     a contact does; between rigid bodies it is the other way round.
     """
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
     flexible = model.flexible != 0
-    # Typed: a literal would have Numba compile the functions that take it twice.
+    # Typed: for a literal Numba would compile the functions that take it twice.
     count, prepared = np.int64(0), False
     for j in range(joints.size):
         joint, joint_state = joints[j], state.joints[j]
@@ -158,7 +158,7 @@ def collect(model, state, work, stiff, h):
 
 @kernel
 def separate_motions(stiff, count):
-    """Combine the responses to motions that change one gradient's coordinate each; False if these depend on another."""
+    """Combine the responses to motions along one gradient each; return False if the gradients depend on each other."""
     if not lu_factor(stiff.matrix, count):
         return False
     for k in range(count):
@@ -176,7 +176,7 @@ def separate_motions(stiff, count):
 
 @kernel
 def measure_rest(model, state, work, stiff, count, start, h):
-    """Rate of change of the accelerations `start` (n,) that A leaves out, by a difference along the motion."""
+    """Fill how fast accelerations `start` (n,) change beyond A, by a difference along the motion; False if singular."""
     q, v, time = state.q, state.v, state.clock[0].time
     delta = _PROBE * h
     q1, v1, rest = stiff.probe_q, stiff.probe_v, stiff.rest
@@ -198,7 +198,7 @@ def measure_rest(model, state, work, stiff, count, start, h):
 
 @kernel
 def begin_step(model, state, work, stiff, start, h):
-    """Prepare the treatment of the forces that are stiff over a step `h`; returns their number.
+    """Prepare the treatment of the forces that are stiff over a step `h`; return their number.
 
     Args:
         model, state: of the mechanism, at the start of the step.
@@ -226,7 +226,7 @@ def begin_step(model, state, work, stiff, start, h):
 
 @kernel
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
-    """Turn the velocities, accelerations and powers of a stage into its derivatives."""
+    """Correct the velocities, accelerations and powers of a stage to the W-method's derivatives."""
     count = stiff.active[0]
     force_rate, right, a = stiff.force_rate, stiff.force_rate[stage], acceleration[stage]
     share = DIAGONAL
@@ -253,7 +253,7 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
         if stiff.stiffness[i] > 0.0:
             add_force_to_powers(power[stage], first, force)
         else:
-            # What stop and damper take with the torque that the step goes by, not the one of the stage's speed.
+            # Stop and damper dissipate with the torque that the step takes, not with the torque at the stage's speed.
             taken = force * product(stiff.gradient[i], velocity[stage])
             stop, damper = stiff.shares[i, 0], stiff.shares[i, 1]
             power[stage, first + m.LATCH_DISSIPATION] += stop * taken
@@ -269,7 +269,7 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
 
 @kernel
 def add_force_to_powers(power, first, force):
-    """Raise a contact's normal force [N], which stays compressive, with the powers that are in proportion to it."""
+    """Add a `force` [N] to a contact's normal force, which stays compressive; scale the proportional powers."""
     normal = power[first + m.IMPULSE]
     if normal > 0.0:
         scale = max(1.0 + force / normal, 0.0)

@@ -42,7 +42,7 @@ def adapt_nothing(model, state, settings, arrays, accepted):
 
 @dataclass(frozen=True)
 class Kernels:
-    """Kernels that a method offers to the run loop (`run.py`), whose arguments are those of that loop.
+    """Kernels that a method offers to the run loop (`run.py`), which passes their arguments.
 
     `arrays` are the method's, with `trial` and `motion` (`arrays/trial.py`) among them; `h` is the size of the step in
     hand [s], `share` a place in it from 0 to 1.
@@ -50,7 +50,7 @@ class Kernels:
     Attributes:
         begin: prepares the arrays for a call, fills `motion` and a first step size; False if constraints are singular.
         choose: step to try [s] by accuracy, impacts and the settings, with `remaining` time in the call [s].
-        attempt: tries a step from the accepted state, which it leaves; its error in units of the tolerance, negative if
+        attempt: tries a step from the unchanged accepted state; its error in units of the tolerance, negative if
             constraints are singular. In `trial`, it may name a step to try after a refused one. A step that was cut has
             no error of its own.
         complete: fills what samples and the acceptance need beyond what the attempt left.
@@ -59,14 +59,14 @@ class Kernels:
             constraints are singular.
         evaluate: fills the rest of `motion` at the accepted state, whose forces an event may have `changed`.
         open_contact: inverse mass [1/kg] that a joint feels as its contact begins.
-        contact_arcs: along which the line of centres has moved in the frames of journal and bearing: middle and half of
-            each [rad].
+        contact_arcs: arcs along which the line of centres has moved in the frames of journal and bearing: middle and
+            half of each [rad].
         depth, angle: penetration [m] and angle [rad] of a joint at a share of the step.
         landing: how steps land on events.
-        control: the controller of the step size; of a fixed one it is without effect.
+        control: the controller of the step size, without effect on a fixed step.
         note_peaks: raises the force maxima to those inside the step.
         resume: prepares the next step, after the ends of contacts.
-        adapt: what the method itself changes once the next step's size is set.
+        adapt: changes the method's own choices once the next step's size is set.
     """
 
     begin: Callable
@@ -94,9 +94,9 @@ class Method:
     Attributes:
         order: of convergence, for smooth motion.
         kernel_settings: type of the settings as the kernels take them; tells the compiler which kernels are meant.
-        convert: the settings that a user has chosen, as the kernels take them.
+        convert: converts the settings that a user has chosen to the kernels' types.
         arrays: allocates the scratch arrays of a thread for a mechanism's model and state.
-        kernels: that make a step.
+        kernels: kernels that make a step.
         formulation: of the equations of motion.
     """
 
@@ -108,7 +108,7 @@ class Method:
     formulation: Formulation = ABSOLUTE
 
 
-# By proportional and integral control of the error.
+# Controller by proportional and integral control of the error.
 _PROPORTIONAL_INTEGRAL = StepController(float(rosenbrock.ORDER), 0.72, 0.4, 1e-10, 0.1, 10.0, 0.0, 0.0)
 _IN_STAGES = Method(
     rosenbrock.ORDER,
@@ -189,10 +189,10 @@ _BY_TYPE = {method.kernel_settings: method for method in METHODS.values()}
 
 
 def method_of(chosen: Chosen) -> Method:
-    """The row of the settings that a user has chosen.
+    """Return the row of the settings that a user has chosen.
 
     Raises:
-        ValueError: if they are not those of a method.
+        ValueError: if they are no method's settings.
     """
     if type(chosen) not in settings.INTEGRATORS.values():
         names = ", ".join(f"{kind.__name__}(...)" for kind in settings.INTEGRATORS.values())
@@ -201,7 +201,7 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable) -> Callable:
-    """A function of kernel settings that gives what `pick` takes from their method's kernels; resolved in compiling."""
+    """Return a function from kernel settings to `pick` of their method's kernels, resolved at compile time."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 

@@ -1,4 +1,4 @@
-"""All torques about a hinge at once: their sum, slopes, energies and powers; and those of cable loops, between two."""
+"""All torques about a hinge: their sum, slopes, energies and powers; and torques of cable loops between two hinges."""
 
 from typing import NamedTuple
 
@@ -12,13 +12,13 @@ from solar_env.mechanics.numerics.vectors import sum_lanes
 
 
 class HingeTorques(NamedTuple):
-    """Torques on a joint's angle, but for the cable loops'.
+    """Torques on a joint's angle, without the cable loops'.
 
     Attributes:
-        spring, harness, latch, damping, friction, motor: [N m]; the latch's is that of all stops.
-        latch_elastic: the part of the latch's that has an energy [N m].
+        spring, harness, latch, damping, friction, motor: torques [N m]; `latch` is the torque of all stops.
+        latch_elastic: part of the latch's torque that has an energy [N m].
         by_angle, by_rate: slopes of their sum [N m/rad], [N m s/rad].
-        latch_by_rate: the latch's part of the latter.
+        latch_by_rate: the latch's part of `by_rate`.
     """
 
     spring: float
@@ -35,7 +35,7 @@ class HingeTorques(NamedTuple):
 
 @kernel
 def hinge_torques(joint, joint_state, angle, rate):
-    """Torques of all laws at a joint's angle [rad] and its rate, which are numbers or vectors of several."""
+    """Return the torques of all laws at a joint's angle [rad] and its rate, which are numbers or vectors of several."""
     spring = joint.spring_stiffness * (joint.spring_preload_angle - angle)
     harness, slope = 0.0 * angle, 0.0 * angle - joint.spring_stiffness
     if joint.spring_points > 0:
@@ -63,19 +63,19 @@ def hinge_torques(joint, joint_state, angle, rate):
 
 @kernel
 def torque_of_motion(torques):
-    """Sum of the torques that depend on the motion [N m]: of all but the motor's."""
+    """Return the sum of the torques that depend on the motion [N m]: all but the motor's."""
     return torques.spring + torques.harness + torques.latch + torques.damping + torques.friction
 
 
 @kernel
 def may_be_stiff(joint, joint_state):
-    """Whether a torque acts that the motion may not follow step by step: a stop's, or one that resists the turning."""
+    """Return whether a torque acts that may be stiff: an engaged stop's, a damper's or dry friction's."""
     return joint_state.stop_engaged != 0 or joint.damping > 0.0 or joint.friction_torque > 0.0
 
 
 @kernel
 def enter_torques(torques, j, loads):
-    """Enter the torques of joint `j` in the table of loads, without those of cable loops, which `enter_cable` adds."""
+    """Enter the torques of joint `j` in the table of loads, without the cable loops', which `enter_cable` adds."""
     loads[j, c.SPRING_TORQUE] = torques.spring
     loads[j, c.HARNESS_TORQUE] = torques.harness
     loads[j, c.CABLE_TORQUE] = 0.0
@@ -94,7 +94,7 @@ def enter_cable(cable, torque, loads):
 
 @kernel
 def summed_torque(loads, j):
-    """Sum of the torques of all laws on joint `j` [N m], from the table of loads."""
+    """Return the sum of the torques of all laws on joint `j` [N m], from the table of loads."""
     total = loads[j, c.FIRST_TORQUE]
     for column in range(c.FIRST_TORQUE + 1, c.END_OF_TORQUES):
         total += loads[j, column]
@@ -115,7 +115,7 @@ def add_torque_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_resistance_powers(torques, rate, weight, j, out):
-    """Add `weight` times what damper and friction of joint `j` take, likewise."""
+    """Add `weight` times the powers that damper and friction of joint `j` take, as `add_torque_powers` does."""
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.DAMPER_DISSIPATION] -= sum_lanes(weight * torques.damping * rate)
     out[first + m.HINGE_FRICTION_DISSIPATION] -= sum_lanes(weight * torques.friction * rate)
@@ -125,7 +125,7 @@ def add_resistance_powers(torques, rate, weight, j, out):
 def add_cable_power(cable, torque, rate, weight, out):
     """Add `weight` times a cable loop's power, at the inner wheel's rate [rad/s], to the integrals or their rates.
 
-    It has none unless the ratio of torques differs from the wheels'. Of vectors it adds up the lanes.
+    The power is zero unless the torque ratio differs from the wheel ratio. Of vectors it adds up the lanes.
     """
     power = torque * (cable.wheel_ratio - cable.torque_ratio) * rate
     out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += sum_lanes(weight * power)

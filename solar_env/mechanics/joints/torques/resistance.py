@@ -6,15 +6,15 @@ from solar_env.mechanics.numerics.vectors import square_roots
 
 @kernel
 def damping_torque(joint, rate):
-    """Torque of the damper [N m], viscous or of eddy currents, and its slope by the rate [N m s/rad]."""
+    """Return the torque of the damper [N m], viscous or of eddy currents, and its slope by the rate [N m s/rad]."""
     return -joint.damping * rate, -joint.damping + 0.0 * rate
 
 
 @kernel
 def friction_torque(joint, rate):
-    """Torque of dry friction [N m], and its slope by the rate [N m s/rad].
+    """Return the torque of dry friction [N m], and its slope by the rate [N m s/rad].
 
-    Coulomb's, smooth through the reversal: r / sqrt(r^2 + r0^2) of it, at a rate r beside the ramp rate r0.
+    Coulomb's torque, times r / sqrt(r^2 + r0^2) to be smooth through the reversal, with the rate r and ramp rate r0.
     """
     if joint.friction_torque == 0.0:
         return 0.0 * rate, 0.0 * rate

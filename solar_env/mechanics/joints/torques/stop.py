@@ -1,6 +1,6 @@
 """Stops of a hinge: stow stop, latch, end stop without a latch, and hold-down, all with one law.
 
-BISTOP with STEP damping, whose face lies a free play off its angle (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal
+BISTOP with STEP damping; a face lies a free play off its angle (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal
 Process. 117 (2019) 188, Eqs 5-7). A latch and a hold-down have two faces, the others one; a hold-down has no play.
 """
 
@@ -12,9 +12,9 @@ from solar_env.mechanics.numerics.vectors import where_less
 
 @kernel
 def one_sided_stop(joint, depth, closing_rate):
-    """Resisting torque of one stop face, its elastic part, and its slopes by depth and by closing rate.
+    """Return the resisting torque of one stop face, its elastic part, and its slopes by depth and by closing rate.
 
-    k depth^e plus damping that a cubic STEP ramps in over `stop_ramp_depth`; never pulls.
+    The torque is k depth^e plus damping that a cubic STEP ramps in over `stop_ramp_depth`; it never pulls.
     """
     inside, exponent = where_less(0.0, depth, depth, 0.0), joint.stop_exponent
     growth = joint.stop_stiffness * (1.0 + 0.0 * inside if exponent == 1.0 else inside ** (exponent - 1.0))
@@ -30,7 +30,7 @@ def one_sided_stop(joint, depth, closing_rate):
 
 @kernel
 def stop_depth(joint, joint_state, angle):
-    """Depth [rad] in the stop that is met, negative outside, and the sign of the torque that resists it."""
+    """Return the depth [rad] in the stop that is met, negative outside, and the sign of the torque that resists it."""
     if joint_state.held:
         off = angle - joint.stow_angle
         return abs(off), where_less(0.0, off, -1.0, 1.0)
@@ -45,9 +45,9 @@ def stop_depth(joint, joint_state, angle):
 
 @kernel
 def stop_torque(joint, joint_state, angle, rate):
-    """Torque of the stops on the joint angle, its elastic part, and its slopes by angle and rate.
+    """Return the torque of the stops on the joint angle, its elastic part, and its slopes by angle and rate.
 
-    A stop that is not engaged exerts none: within a step of the explicit method this keeps the torque smooth.
+    A stop that is not engaged exerts no torque: within a step of the explicit method this keeps the torque smooth.
     """
     if not joint_state.stop_engaged:
         nothing = 0.0 * angle
@@ -59,7 +59,7 @@ def stop_torque(joint, joint_state, angle, rate):
 
 @kernel
 def stop_energy(joint, joint_state, angle):
-    """Elastic energy [J] of the stops."""
+    """Return the elastic energy [J] of the stops."""
     depth, _ = stop_depth(joint, joint_state, angle)
     if depth <= 0.0 or not joint_state.stop_engaged:
         return 0.0

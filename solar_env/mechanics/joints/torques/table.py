@@ -15,7 +15,7 @@ from solar_env.mechanics.numerics.vectors import where_less
 
 
 def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
-    """(TABLE_ROWS, 3) truncated powers of a table of angles [rad] and torques [N m].
+    """Return the (TABLE_ROWS, 3) truncated powers of a table of angles [rad] and torques [N m].
 
     Row 0 is the line: first angle, torque and slope there; the others are knots: angle, square and cube.
     """
@@ -28,7 +28,7 @@ def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64
         ends = curve(angles, 1)
         cubes, squares = np.append(curve.c[0], 0.0), np.append(curve.c[1], 0.0)
         compiled[0] = angles[0], torques[0], ends[0]
-        # What a polynomial has more than the one before it, which goes on.
+        # Each polynomial minus the one before it, which goes on.
         steps = np.diff(angles, prepend=angles[0])
         before = np.concatenate([[0.0], cubes[:-1]])
         compiled[1 : len(points) + 1, 0] = angles
@@ -39,7 +39,7 @@ def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64
 
 @kernel(inlined=False)
 def table_torque(table, points, angle):
-    """Torque [N m] of a compiled table of so many points, and its slope by the angle [N m/rad]."""
+    """Return the torque [N m] of a compiled table with `points` knots, and its slope by the angle [N m/rad]."""
     torque, slope = table[0, 1] + table[0, 2] * (angle - table[0, 0]), table[0, 2] + 0.0 * angle
     for k in range(1, points + 1 if points > 1 else 1):
         beyond = angle - table[k, 0]
@@ -50,7 +50,7 @@ def table_torque(table, points, angle):
 
 
 def steepest_slope(points: tuple[tuple[float, float], ...]) -> float:
-    """Greatest magnitude of the slope of a table's curve [N m/rad]."""
+    """Return the greatest magnitude of the slope of a table's curve [N m/rad]."""
     if len(points) < 2:
         return 0.0
     angles = np.linspace(points[0][0], points[-1][0], 500)
@@ -59,7 +59,7 @@ def steepest_slope(points: tuple[tuple[float, float], ...]) -> float:
 
 @kernel(inlined=False)
 def table_energy(table, points, angle):
-    """Energy [J] of a compiled table of so many points at an angle [rad]: minus the torque's work from the first."""
+    """Return a table's energy [J] at an angle [rad]: minus the torque's work from the first of its `points` knots."""
     beyond = angle - table[0, 0]
     energy = -beyond * (table[0, 1] + 0.5 * table[0, 2] * beyond)
     for k in range(1, points + 1 if points > 1 else 1):

@@ -66,16 +66,6 @@ def run_command(args: Args) -> int:
 
 
 def ranges(words: Sequence[str]) -> dict[str, object]:
-    """Turn words such as "latch_damping" and "hinge_damping=0,5" into ranges by name; None for a name alone.
-
-    Raises:
-        ValueError: A word cannot be read, or a name is given twice.
-    """
-    found: dict[str, object] = {}
-    for word in words:
-        given = parse_assignments([word]) if "=" in word else {word.strip(): None}
-        twice = [name for name in given if name in found]
-        if twice:
-            raise ValueError(f"{twice[0]!r} is given twice; give it once")
-        found |= given
-    return found
+    """Turn words such as "latch_damping" and "hinge_damping=0,5" into ranges by name; None where no range is given."""
+    given = parse_assignments([word for word in words if "=" in word])
+    return {**dict.fromkeys(word.strip() for word in words if "=" not in word), **given}

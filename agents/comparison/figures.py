@@ -61,7 +61,7 @@ def comparison_figure(summary: Summary, path: Path) -> None:
 
 
 class Panel(NamedTuple):
-    """Learning curves of a scene, by algorithm a curve for each seed, and returns by law."""
+    """Learning curves of a scene, one for each algorithm and seed, and the return of each law."""
 
     curves: dict[str, list[Curve]]
     laws: dict[str, float]

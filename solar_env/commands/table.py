@@ -36,6 +36,6 @@ def load(group: str, name: str) -> Any:
 
 
 def summaries(group: str, what: str) -> dict[str, str]:
-    """Return name -> first sentence of the docstring of `what` in its module, which is read and not imported."""
+    """Return, by module name, the first docstring sentence of its `what`, parsed without importing it."""
     sentences = {name: docstring(module, what).partition("\n\n")[0] for name, module in rows(group).items()}
     return {name: sentence.replace("\n", " ").rstrip(".") for name, sentence in sentences.items()}

@@ -101,7 +101,7 @@ class Episodes:
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
-        """Begin episodes in some lanes (k,), the first time in all lanes: folded, with drawn parameters.
+        """Begin folded episodes with drawn parameters in lanes (k,); the first call must name all lanes.
 
         `changes` follow the draw; callers check them beforehand, by `EnvironmentSettings.check_changes`.
         """

@@ -44,7 +44,7 @@ class ParameterFile(NamedTuple):
 
 
 def named_array(name: str) -> ParameterFile:
-    """Return a preset of `ArrayParameters`, or an array that comes with the package, of WINGS.
+    """Return the named preset of `ArrayParameters`, or the packaged array listed in `WINGS`.
 
     Raises:
         ValueError: The name is unknown.

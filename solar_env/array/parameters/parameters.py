@@ -292,7 +292,7 @@ class ArrayParameters:
 
     @property
     def unsupported_gravity(self) -> tuple[float, float]:
-        """Components in the plane of the gravity that hangers leave [m/s2]."""
+        """Components of the gravity that hangers do not carry, in the plane [m/s2]."""
         left = self.gravity * (1.0 - self.offloading_share)
         return left * math.cos(self.gravity_angle), left * math.sin(self.gravity_angle)
 

@@ -40,7 +40,7 @@ from solar_env.mechanics.numerics.vectors import (
 
 @kernel
 def free_ends(panels, panel, tables, d, level, q, v):
-    """Compute the free motion over a step of the ends and of the coupled modes of a panel of design `d`."""
+    """Compute the free motion, over one step, of the ends and coupled modes of a panel of design `d`."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         # Slices: indices that cannot be negative are spared a test.

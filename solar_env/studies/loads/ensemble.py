@@ -1,4 +1,4 @@
-"""The ensemble: members at a level of the model, at the finest level, and with other contact laws; sensitivities."""
+"""Ensemble of deployments at a chosen and at the finest level of the model, and with other contact laws."""
 
 import contextlib
 import warnings

@@ -1,4 +1,4 @@
-"""Map of the friction law's two speeds: creep speed of a contact that should stick, and the step that it needs.
+"""Map over the friction law's two speeds: creep of a contact that should stick, and the step size required.
 
 A loaded journal is turned by a torque of half the friction limit (`textbook.loaded_journal`). Coulomb's friction
 would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and W. Huang,

@@ -121,7 +121,7 @@ class Chain:
 
 
 def make_chain(p: ArrayParameters) -> Chain:
-    """Return the chain of the main body, unless fixed, and panels; its first inboard pin is the body's centroid."""
+    """Return the chain of panels, led by the main body unless fixed; that body's inboard pin is its centroid."""
     rows = [p.panel(joint.index) for joint in p.joints]
     panels = [ChainLink(row.mass, row.inertia, row.centroid + 0j, row.length + 0j) for row in rows]
     if p.body_fixed:

@@ -360,7 +360,7 @@ def sample_alpha(model, state, settings, arrays, recorder, h, share):
 
 @kernel
 def commit_alpha(model, state, settings, arrays, h, share):
-    """Take over the end of the step, with the integrals."""
+    """Accept the state and the integrals at the end of the step."""
     it = arrays.iteration
     for k in range(state.integrals.size):
         state.integrals[k] += 0.5 * h * (it.power[k] + arrays.work.power[k])

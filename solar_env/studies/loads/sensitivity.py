@@ -24,6 +24,14 @@ Array = NDArray[np.float64]
 Shift = tuple[str, float]  # a parameter and its factor
 Result = Mapping[str, Any]  # result of a run: its quantities, or its failure
 
+# Constants of the laws, which smooth them and are nobody's to choose.
+OF_THE_LAWS = (
+    "latch_exponent",
+    "latch_ramp_depth",
+    "minimum_impact_speed",
+    "friction_speed_zero",
+    "friction_speed_full",
+)
 SHARE = 0.1  # share of a parameter by which it is shifted
 _CONFIDENCE = 0.95
 _LEAST = 0.01  # least standardised coefficient that is told
@@ -75,7 +83,7 @@ def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayP
     found: dict[Shift | None, ArrayParameters] = {None: parameters}
     for name in ArrayParameters.CONTINUOUS:
         entries = parameters.entries(name)
-        if None in entries or not any(entries):
+        if None in entries or not any(entries) or name in OF_THE_LAWS:
             continue
         for factor in (1.0 - SHARE, 1.0 + SHARE):
             shifted = tuple(factor * entry for entry in entries) if len(entries) > 1 else factor * entries[0]

@@ -69,6 +69,7 @@ def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> l
     hinges = "; ".join(reversed(told.values()))
     if all(math.isinf(hinge.ratio[0]) for hinge in found):
         hinges = "no friction, harness or damper is given, and no hinge has anything to overcome"
+    latched = " and latched" if all(parameters.for_each_joint("latching")) else " and held at its stops"
     loops = "with its cable loops " if len(found) > len(parameters.joints) else ""
     held, free = (
         ", ".join(dict.fromkeys(f"{frequency:.3g}" for frequency in first_modes(parameters, held).frequencies))
@@ -77,5 +78,5 @@ def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> l
     return [
         f"Motorization: {hinges} (springs and resistances at the worst ends of what is drawn, {MARGIN:g} times the "
         f"resistances, with the uncertainty factors of ECSS-E-ST-33-01C: {counted}; without the friction of the pins).",
-        f"Deployed and latched, {loops}the array vibrates at {held} Hz with its hub held, at {free} Hz with it free.",
+        f"Deployed{latched}, {loops}the array vibrates at {held} Hz with its hub held, at {free} Hz with it free.",
     ]

@@ -52,7 +52,8 @@ def test_shifts_are_of_every_parameter_that_changes_the_model():
     names = {shift[0] for shift in found if shift}
     assert {"body_mass", "latch_damping", "clearance"} <= names
     assert not names & {"hinge_damping", "gravity_angle", "bracket_stiffness", "panel_area_mass"}
-    assert ("latch_exponent", 0.9) not in found, "it is refused"
+    assert ("restitution", 1.1) in found
+    assert not names & {"latch_exponent", "friction_speed_full"}, "they belong to the laws"
 
 
 def test_one_at_a_time_changes_are_relative_and_scatter_is_no_change():

@@ -9,7 +9,6 @@ from solar_env.array.construction import build, main_body_frame
 from solar_env.array.level import ModelLevel
 from solar_env.array.methods import announce_compilation, make_integrator, mark_compiled
 from solar_env.array.parameters import ArrayParameters
-from solar_env.array.parameters.parameters import MAIN_BODY
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.equations.formulation import ModelArrays
 from solar_env.mechanics.integrators.methods.table import METHODS
@@ -79,12 +78,16 @@ def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
     return parameters, METHODS[details["integrator"]].formulation.compile(mechanism)[0]
 
 
+def hub_place(parameters: ArrayParameters, model: ModelArrays, q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the (nt, 3) place of the centroid [m] and angle of the hub [rad], between -pi and pi."""
+    centroid, along, _ = main_body_frame(parameters, centreline(model, q, 0))
+    return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
+
+
 def hub_turn(trajectory: Trajectory) -> NDArray[np.float64]:
     """Compute the angle by which the main body has turned since the first sample, (nt,) [rad]."""
-    parameters, model = compiled(trajectory)
-    _, along, _ = main_body_frame(parameters, centreline(model, trajectory.coordinates, MAIN_BODY))
-    turn = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
-    return np.asarray(turn - turn[0])
+    angle = np.unwrap(hub_place(*compiled(trajectory), trajectory.coordinates)[:, 2])
+    return np.asarray(angle - angle[0])
 
 
 def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:

@@ -60,7 +60,6 @@ def run_command(args: Args) -> int:
     plan, workers = LoadsPlan(array, args.model, args.runs, args.window, args.deadline), args.workers
     for level in plan.levels:
         build(array.parameters, level.model)  # refuses wrong input before anything is compiled
-    motorization(array.parameters, args.factors)  # refuses wrong factors
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):
         if path is not None:
             check_target(path, (suffix,))

@@ -10,22 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.array.construction import main_body_frame
 from solar_env.array.data_files import write_columns
+from solar_env.array.deployment import hub_place
 from solar_env.array.parameters.parameters import MAIN_BODY
-from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.equations.formulation import ModelArrays
 from solar_env.mechanics.running.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
 _SHIFT = 1e-6  # s; time shift to either side of a sample; the coordinates of a rigid body are smooth
-
-
-def hub_place(parameters: ArrayParameters, model: ModelArrays, q: Array) -> Array:
-    """Return the (nt, 3) place of the centroid [m] and angle of the hub [rad], between -pi and pi."""
-    centroid, along, _ = main_body_frame(parameters, centreline(model, q, 0))
-    return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
 
 
 def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: Array) -> Array:

@@ -11,6 +11,7 @@ from agents.environments import episode_seeds
 from agents.laws.table import TUNABLE
 from solar_env.__main__ import main
 
+COMPARE = ["compare", "--model", "rigid-ideal", "--points", "6", "--quiet", "--jobs", "1"]
 ARRAY = "spring_stiffness = [2.5, 1.875]\ncable_preload_force = 1250.0\nwear_bins = 8\n"
 
 
@@ -37,20 +38,7 @@ def test_damper_laws_and_a_policy_that_fits_are_compared_on_one_array(tmp_path, 
     monkeypatch.setattr(compare, "TUNABLE", {"damper": TUNABLE["damper"]})
     file = tmp_path / "array.toml"
     file.write_text(ARRAY)
-    words = [
-        "compare",
-        str(file),
-        "--model",
-        "rigid-ideal",
-        "--points",
-        "6",
-        "--episodes",
-        "3",
-        "--quiet",
-        "--jobs",
-        "1",
-    ]
-    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    assert main([*COMPARE, str(file), "--episodes", "3", "--out", str(tmp_path / "out")]) == 0
     told = capsys.readouterr().out
     assert " does better than the " in told
     assert "the drive turns the root alone, with up to " in told
@@ -66,18 +54,5 @@ def test_a_policy_that_does_not_fit_the_array_is_told_and_left_out(tmp_path, mon
     monkeypatch.setattr(Contest, "best_damper", lambda self: 0.1)
     file = tmp_path / "array.toml"
     file.write_text(f"panel_count = 3\n{ARRAY}")
-    words = [
-        "compare",
-        str(file),
-        "--model",
-        "rigid-ideal",
-        "--points",
-        "6",
-        "--episodes",
-        "1",
-        "--quiet",
-        "--jobs",
-        "1",
-    ]
-    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    assert main([*COMPARE, str(file), "--episodes", "1", "--out", str(tmp_path / "out")]) == 0
     assert "The shipped policy rigid does not fit: " in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""Train a controller that deploys the solar array softly, and compare it with the baselines: `solar-env train`."""
+"""Train a controller that deploys the solar array softly, and compare it with torque laws: `solar-env train`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Environments that controllers are tuned, trained and evaluated on: their keywords, their settings, their seeds."""
+"""Environments on which controllers are tuned, trained and evaluated: keywords, settings and episode seeds."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -15,19 +15,17 @@ NAMESPACE = "solar_env/"  # beginning of the environment ids
 DEFAULT_ENV_ID = DEPLOY
 Keywords = dict[str, Any]
 
-# Suites are judged on this model, whose peak forces have converged, and searches train on it. It is also the
-# cheapest with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and
-# 380, 270 and 172 with 2, 4 and 6 beam elements.
+# Model of evaluations and searches: its peak forces have converged, and no flexible level is cheaper.
 MODEL: Mapping[str, str] = {"model": "flexible-clearance"}
-# Algorithms that learn from single steps need more episodes than there is time for with flexible panels.
+# Algorithms that learn from single steps need more episodes than the cost of flexible panels allows.
 RIGID: Mapping[str, str] = {"model": "rigid-clearance"}
 
 # The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
-# Episodes therefore differ in the joints' release rates, as the members of all ensembles here. To move a hinge by
-# micrometres would not do: episodes would share their first seconds, and the errors of these seconds.
+# Episodes therefore differ in the joints' release rates, like the members of all ensembles in this project. Moving a
+# hinge by micrometres would not suffice: episodes would share their first seconds, and the errors of these seconds.
 SAMPLED = "initial_rate"
 
-# Keywords of the observation, the action and the time for which it holds, in which controllers differ.
+# Keywords of observation, action and control period, in which controllers differ.
 INTERFACE = ("observation", "action", "control_period")
 OF_LAWS: Mapping[str, object] = {"observation": "drive", "action": "torque", "control_period": 0.1}
 
@@ -38,7 +36,7 @@ EPISODES_PER_SEED = 10_000
 
 
 def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID) -> Keywords:
-    """Return `env_kwargs` with the joints' release rates drawn, unless they or the scenario name ranges to draw from.
+    """Return `env_kwargs` with random release rates of the joints, unless they or the scenario already name ranges.
 
     Raises:
         ValueError: The environment refuses its keywords; `max_episode_steps` would cut episodes off before the landing;
@@ -64,7 +62,7 @@ def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID
 
 
 def with_interface(env_kwargs: Mapping[str, object], controller: str, interface: Mapping[str, object]) -> Keywords:
-    """Return `env_kwargs` with the interface of a controller.
+    """Return `env_kwargs` with a controller's interface: observation, action and control period.
 
     Raises:
         ValueError: `env_kwargs` name another interface.
@@ -81,7 +79,7 @@ def with_interface(env_kwargs: Mapping[str, object], controller: str, interface:
 def environment_settings(
     env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None
 ) -> EnvironmentSettings:
-    """Check the keywords of an environment and return its settings, such as model and task, without making it.
+    """Check the keywords of an environment; return its settings, such as model and task, without making it.
 
     Raises:
         ValueError: As in `make_env`.
@@ -94,7 +92,7 @@ def environment_settings(
 
 
 def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | None = None) -> gymnasium.Env:
-    """Make an environment by `gymnasium.make`; the error of a refusal says what to do.
+    """Make an environment by `gymnasium.make`, with errors that say what to do.
 
     Raises:
         ValueError: The id is not registered, or the environment refuses a keyword or its value.
@@ -103,7 +101,7 @@ def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, object] | No
 
 
 def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, object] | None) -> Any:
-    if env_id not in gymnasium.registry:  # Gymnasium itself imports the module that an id names
+    if env_id not in gymnasium.registry:  # Gymnasium itself would import the module that an id names
         raise ValueError(f"no environment {env_id!r} is registered; available: {', '.join(_registered())}")
     try:
         return make(**dict(env_kwargs or {}))

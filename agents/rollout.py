@@ -11,7 +11,7 @@ from agents.torque_laws import Controller
 from solar_env.environment.episodes import Info
 
 Figures = dict[str, float | int | bool]
-UNITS = ("s", "N", "Ns", "J", "m")
+UNITS = ("s", "N", "Nm", "Ns", "J", "m")
 """Ends of the names of figures: `contact_starts` has no unit."""
 
 
@@ -36,7 +36,7 @@ def episode_figures(deployment: Info, reward_terms: Mapping[str, float]) -> Figu
 
     Lists by joint become one entry per joint (`peak_postlock_force_1_N`) and one for the array: the largest
     force and wear depth, the last latch time, the sum of impulse, sliding work and contacts. Post-lock
-    figures are NaN where a joint never latched.
+    figures and latch torques are NaN if any joint never latched.
     """
     latched = bool(deployment["latched"])
     figures: dict[str, float | int | bool] = {
@@ -48,7 +48,8 @@ def episode_figures(deployment: Info, reward_terms: Mapping[str, float]) -> Figu
         if not isinstance(value, list | tuple):
             figures[name] = latched if name == "latched" else float(value)
             continue
-        by_joint = [math.nan if v is None or ("postlock" in name and not latched) else float(v) for v in value]
+        after = not latched and ("postlock" in name or "latch_torque" in name)
+        by_joint = [math.nan if v is None or after else float(v) for v in value]
         quantity, _, unit = name.rpartition("_")
         quantity, unit = (quantity, "_" + unit) if unit in UNITS else (name, "")
         reduction = np.max if any(part in name for part in ("peak", "latch_time", "max")) else np.sum

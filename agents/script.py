@@ -1,11 +1,11 @@
-"""The script `solar-env`: the command line, with Ctrl-C answered in one line while packages are still being loaded."""
+"""The script `solar-env`: the command line, which answers Ctrl-C in one line even while packages are being loaded."""
 
 import sys
 from collections.abc import Sequence
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `solar_env.__main__.main`."""
+    """Run the command line `solar_env.__main__.main`, and return its exit status; 130 after Ctrl-C."""
     try:
         from solar_env.__main__ import main as run
 

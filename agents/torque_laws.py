@@ -22,7 +22,7 @@ class Controller(Protocol):
     def predict(self) -> Callable[..., tuple[np.ndarray, Any]]:
         """Function of observations (n_obs,) or (n, n_obs), a state, episode starts and a flag to act without noise.
 
-        It returns actions (1,) or (n, 1) in [-1, 1], and the next state.
+        The function returns actions (1,) or (n, 1) in [-1, 1], and the next state.
         """
 
 
@@ -36,7 +36,7 @@ class Signals:
         deadline: Unit of the observed time [s].
         control_period: Time for which an action is held [s].
         settling_window: Unit of the observed time since the last latch [s].
-        driven_joint: Index of the joint that the motor works on; 0 is the root hinge.
+        driven_joint: Index of the joint that the motor drives; 0 is the root hinge.
         action: Meaning of an action, see `solar_env.environment.task.task.Task`.
         lock_angles: Angle at which each joint latches [rad].
     """
@@ -52,7 +52,7 @@ class Signals:
 
     @classmethod
     def of(cls, env: gymnasium.Env | EnvironmentSettings) -> Self:
-        """Return the signals of an environment of this project, or of its settings."""
+        """Read the signals of an environment of this project, or of its settings."""
         unwrapped: Any = env.unwrapped if isinstance(env, gymnasium.Env) else env
         _, *of_task, _ = (item.name for item in fields(cls))
         array = unwrapped.parameters if isinstance(env, gymnasium.Env) else unwrapped.array
@@ -64,16 +64,16 @@ class Signals:
 
     @property
     def driven_lock_angle(self) -> float:
-        """Lock angle of the joint that the motor works on [rad]."""
+        """Lock angle of the joint that the motor drives [rad]."""
         return self.lock_angles[self.driven_joint]
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
-        """Refuse an environment whose observations or actions differ in meaning from these signals, of `learned_on`.
+        """Refuse an environment whose signals differ from these; the error names `learned_on`, where training was.
 
         Raises:
             ValueError: The entries of an observation, or the units or the period of actions or observations, differ.
         """
-        unitless = self.action != "torque" and "motor_torque" not in self.names  # then nothing is in units of torque
+        unitless = self.action != "torque" and "motor_torque" not in self.names  # no signal is in units of torque
         for name, value in vars(Signals.of(env)).items():
             if value != getattr(self, name) and not (name == "torque_limit" and unitless):
                 raise ValueError(
@@ -103,7 +103,7 @@ class DeterministicController(ABC):
 class TorqueLaw(DeterministicController):
     """A memoryless torque law over named observation entries.
 
-    It `reads` entries by name; "driven" instead of a joint's number stands for the joint that the motor works on.
+    The law reads the entries that `reads` names; "driven" instead of a joint number stands for the driven joint.
 
     Args:
         signals: Names and units of the environment.
@@ -113,7 +113,7 @@ class TorqueLaw(DeterministicController):
     """
 
     reads: ClassVar[tuple[str, ...]] = ()
-    """Entries of the observation that the law needs."""
+    """Entries of the observation that the drive law needs."""
 
     def __init__(self, signals: Signals) -> None:
         several = not isinstance(signals.driven_joint, int)
@@ -152,7 +152,7 @@ class TorqueLaw(DeterministicController):
 
 
 def bounded(default: float | tuple[float, ...], lower: float, upper: float) -> Any:
-    """Declare a parameter of a law: its default, and the range of each of its numbers that tuning searches."""
+    """Declare a parameter of a law by its default, and the range in which tuning searches each of its numbers."""
     return field(default=default, metadata={"bounds": (lower, upper)})
 
 
@@ -181,7 +181,7 @@ class LawParameters:
 
     @classmethod
     def from_json(cls, values: Mapping[str, object]) -> Self:
-        """Make parameters from values as JSON keeps them.
+        """Make parameters from the values of a JSON object.
 
         Raises:
             ValueError: The keys are not the law's.
@@ -206,15 +206,15 @@ class TunableLaw(TorqueLaw, Generic[P]):
 
 
 OPENING = ("theta_1", "theta_2", "rate_1", "rate_2")
-"""Entries that the opening is made of."""
+"""Observed entries from which a law computes the opening."""
 
 
 def weighted_opening(
     entries: Entries, joint_2_weight: float, lock_angles: Sequence[float]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the weighted opening of both joints in units of their lock angles, its rate and the difference of rates.
+    """Return the weighted opening of both joints in units of lock angles, its rate, and the joints' rate difference.
 
-    All are (n,), the rates in 1/s. The difference is joint 1 minus joint 2; joint 1 has the rest of the weight.
+    All are (n,), the rates in 1/s. Joint 1 has weight 1 - `joint_2_weight`. The difference is joint 1 minus joint 2.
     """
     rate_1, rate_2 = (entries[f"rate_{i + 1}"] / lock_angles[i] for i in range(2))
     opening = entries["theta_1"] + joint_2_weight * (entries["theta_2"] - entries["theta_1"])

@@ -1,14 +1,14 @@
 """Deployment of a spacecraft's solar array: multibody simulation with clearance joints, and a Gymnasium environment.
 
 Importing this package registers the environments and loads neither the compiler nor a learning library. `simulate` runs
-one deployment; `gymnasium.make("solar_env/Deploy-v2")` makes an environment, `gymnasium.make_vec` many of them.
+one deployment. `gymnasium.make("solar_env/Deploy-v2")` makes one environment, `gymnasium.make_vec` a vector of them.
 
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `read_parameters` reads
-one from a file, `build` makes its mechanism, `MODELS` are the models' names and `cheapest_level` gives the level of the
-model that a question needs. `simulate` gives a `Trajectory`; `Simulation` advances step by step, by the integrators
-`RungeKutta`, `Rosenbrock`, `ModalRadau` or `GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv` are the
-environments, `Hardware` is their sensors and motors. Runs that cannot go on raise `SimulationError`, doubtful ones warn
-of `SimulationWarning`.
+parameters from a file, `build` makes the array's mechanism. `MODELS` lists the model levels by name; `cheapest_level`
+chooses the level for a question. `simulate` returns a `Trajectory`; a `Simulation` advances step by step with the
+integrators `RungeKutta`, `Rosenbrock`, `ModalRadau` or `GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv`
+are the environments; `Hardware` describes sensors and motors. A run that cannot go on raises `SimulationError`; a
+doubtful result causes a `SimulationWarning`.
 
 .. include:: ../.github/CONTRIBUTING.md
 """
@@ -45,7 +45,7 @@ _PUBLIC = (
     *("ArrayParameters", "GeneralizedAlpha", "Hardware", "MODELS", "ModalRadau", "Rosenbrock"),
     *("RungeKutta", "SimulationWarning", "build", "cheapest_level", "read_parameters"),
 )
-# Public names whose modules need the compiler: imported on first use.
+# Public names whose modules need the compiler; these are imported on first use.
 _LAZY = {
     "simulate": ".array.deployment",
     "SolarArrayEnv": ".environment.env",

@@ -1,6 +1,6 @@
-"""The command line, `solar-env COMMAND`; `python -m solar_env` is the same where no script is installed.
+"""The command line `solar-env COMMAND`; `python -m solar_env COMMAND` does the same without an installed script.
 
-Commands are rows of `[project.entry-points."solar_env.commands"]` in pyproject.toml.
+Commands are entries of `[project.entry-points."solar_env.commands"]` in pyproject.toml.
 """
 
 import os
@@ -17,7 +17,7 @@ PROG = "solar-env"
 
 
 def overview() -> str:
-    """Return all commands, a line each."""
+    """Return the help text, which lists all commands with one line per command."""
     lines = [f"usage: {PROG} COMMAND [OPTIONS]", f"       {PROG} COMMAND --help", f"       {PROG} --version", ""]
     lines += ["Deployment of a spacecraft's solar array: simulation, loads, and controllers.", ""]
     lines += [f"  {name:<12}{summary}" for name, summary in table.summaries(table.COMMANDS, "Args").items()]
@@ -25,9 +25,9 @@ def overview() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command, and return its exit status.
+    """Run the command that the command line names, and return the exit status.
 
-    0: done; 1: a verification or map failed; 2: wrong input or a failed run; 130: interrupted by Ctrl-C.
+    The status is 0 for success, 1 for a failed verification or map, 2 for wrong input or a failed run, 130 for Ctrl-C.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     usual = warnings.formatwarning
@@ -66,7 +66,7 @@ def _answer(words: Sequence[str]) -> int:
 
 
 def _sentence(error: Exception) -> str:
-    """Return the text of an error; an error of the operating system loses its number."""
+    """Return the text of an error for the user; an operating-system error loses its number."""
     if isinstance(error, MemoryError):
         return f"memory has no room for what was asked for ({str(error) or 'it is full'}); ask for less"
     if not isinstance(error, OSError) or error.strerror is None:
@@ -81,7 +81,7 @@ def _failed_run(error: RuntimeError) -> bool:
 
 
 def _drop_output() -> None:
-    """Send the rest of the output nowhere: otherwise Python writes it again on exit, and reports a long error."""
+    """Discard buffered output that cannot be written; otherwise Python tries again on exit and prints a long error."""
     try:
         if sys.stdout is not None:
             sys.stdout.flush()
@@ -90,10 +90,10 @@ def _drop_output() -> None:
 
 
 def execute(name: str, words: Sequence[str]) -> int:
-    """Run a command, given its name and the words behind it, and return its exit status.
+    """Run a command, given its name and the words after the name, and return the exit status.
 
     Raises:
-        SystemExit: the input is wrong, which a printed sentence explains, or the help was asked for.
+        SystemExit: the input is wrong, as a printed sentence explains, or the words ask for help.
         ValueError, OSError, SimulationError: raised by the command.
     """
     module = table.load(table.COMMANDS, name)

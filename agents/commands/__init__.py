@@ -1,5 +1,5 @@
-"""Thin commands on controllers, a module each: `solar-env train`, `tune`, `evaluate`, `compare`, `replay`, `export`.
+"""Thin command modules on controllers: `solar-env train`, `tune`, `evaluate`, `compare`, `replay`, `export`.
 
-Imports all other rooms; no room imports this one. A new command is a module with `Args` and `run_command` and a row in
-pyproject.toml, see `solar_env.commands`. Rows of `solar-env study` are in `studies`.
+This package imports all other packages of `agents`, which never import it. A new command is a module with `Args` and
+`run_command`, and an entry in pyproject.toml, see `solar_env.commands`. `studies` holds commands of `solar-env study`.
 """

@@ -1,4 +1,4 @@
-"""Options that several commands of the agents have in common."""
+"""Options that several commands of `agents` have in common."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -9,10 +9,10 @@ from solar_env.commands.arguments import Assignments
 
 @dataclasses.dataclass
 class ModelOptions:
-    """Physics of the environments of a command."""
+    """Options that choose the physics of a command's environments."""
 
     model: str | None = None
-    """its level, such as rigid-clearance or "flexible-clearance:8 modes"; by default see above"""
+    """level of the model, such as rigid-clearance or "flexible-clearance:8 modes"; see above for the default"""
     env_kwargs: Assignments = dataclasses.field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 

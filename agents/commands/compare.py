@@ -23,11 +23,11 @@ class Args(ArrayOption, ModelOptions, WorkerOptions, CommandRecord):
     """
 
     points: int = 100
-    """candidates that each law is tuned with"""
+    """candidates that the tuning of each drive law tries"""
     episodes: int = 20
-    """evaluation episodes of each"""
+    """evaluation episodes of each controller"""
     seed: int = 0
-    """of tuning and evaluation"""
+    """seed of the tuning and of the evaluation episodes"""
     out: Path = Path("compare")
     """folder for episodes.csv, metrics.json and comparison.md"""
 

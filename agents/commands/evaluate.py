@@ -37,15 +37,15 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
     episodes: int = 100
     """episodes of each controller"""
     seed: int = 0
-    """chooses the evaluation episodes; they are never training or validation episodes"""
+    """seed of the evaluation episodes, which are never training or validation episodes"""
     out: Path = Path("evaluation")
     """folder for episodes.csv, metrics.json, comparison.md and comparison.png"""
     env_id: str | None = None
-    """environment id; by default that of the trained controllers given, else solar_env/Deploy-v2"""
+    """environment id; by default the id that the given trained controllers share, otherwise solar_env/Deploy-v2"""
 
 
 def run_command(args: Args) -> int:
-    """Run the command; see `Args`."""
+    """Evaluate the controllers, and write and print the comparison; see `Args`."""
     given = args.keywords()
     env_id, common = common_environment(args.controllers, args.env_id, given)
     out = args.out

@@ -24,7 +24,7 @@ class Args:
 
 
 def run_command(args: Args) -> int:
-    """Run the command; see `Args`. A ValueError says that ONNX is not installed, or that a file is damaged."""
+    """Write the policy as ONNX; see `Args`. Raise a ValueError if ONNX is not installed, or if a file is damaged."""
     check_target(args.out, (".onnx",))
     try:
         from agents.policies.onnx_form import onnx_model

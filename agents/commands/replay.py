@@ -1,4 +1,4 @@
-"""Command that shows one episode of several controllers: `solar-env replay`."""
+"""Command that shows the same episode under several controllers: `solar-env replay`."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -38,17 +38,17 @@ class Args(ModelOptions, QuietOption, CommandRecord):
     """
 
     controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
-    """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
+    """drive laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
     out: Path = Path("replay.html")
-    """page in motion that needs no network, .html; film, .mp4, or three times as fast, .gif"""
+    """file to write: an animated page that needs no network (.html), a film (.mp4), or a film at triple speed (.gif)"""
     seed: int = 0
-    """chooses the evaluation episode"""
+    """seed of the evaluation episode"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
 
 
 def run_command(args: Args) -> int:
-    """Run the command; see `Args`."""
+    """Run an episode of each controller, and write the page or the film; see `Args`."""
     check_target(args.out, (".html", *FILMS))
     suffix, (seed,) = args.out.suffix.lower(), episode_seeds("evaluation", args.seed, 1)
     if suffix == ".mp4":
@@ -83,7 +83,7 @@ def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
 
 
 def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
-    """Make the page of episodes, given by the names of their controllers, with the figures of `run_episode`."""
+    """Make the page of episodes by the names of their controllers, with figures from `run_episode`."""
     landed = [name for name in episodes if figures[name]["latched"]]
     softest = min(landed, key=lambda name: figures[name]["peak_postlock_force_N"], default=None)
     lands = "none lands"
@@ -112,7 +112,7 @@ def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures],
 
 
 def filmed(name: str, trajectory: Trajectory, longest: float, width: int, speed: float) -> list[Image.Image]:
-    """Draw the frames of an episode under its controller's name; the axis of time goes to `longest` [s]."""
+    """Draw the frames of an episode under its controller's name; the time axis ends at `longest` [s]."""
     scenes = scenes_of(trajectory, speed / FRAMES_PER_SECOND)
     renderer = Renderer(scenes[0], longest)
     return [captioned(renderer.draw(scene), name, width) for scene in scenes]

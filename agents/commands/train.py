@@ -1,4 +1,4 @@
-"""Command that trains a controller and compares it with laws: `solar-env train`, or `python train.py`."""
+"""Command that trains a controller and compares it with torque laws: `solar-env train`, or `python train.py`."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,25 +31,26 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
     algo: str = "ppo"
     """algorithm: ppo, sac, tqc, ars or cma-es"""
     timesteps: int | None = None
-    """environment steps in all, by default 100,000 or those of the run that --resume goes on with"""
+    """environment steps in all; by default 100,000, or the number of the run that --resume continues"""
     seed: int = 0
-    """seed of networks, exploration and training episodes, and chooses those of the comparison"""
+    """seed of networks, exploration, training episodes and evaluation episodes"""
     n_envs: int = 1
     """environments stepped together, in one process"""
     hyperparams: Assignments = field(default_factory=dict)
-    """hyperparameters in place of the algorithm's defaults, for example learning_rate=1e-3"""
+    """hyperparameters that replace the algorithm's defaults, for example learning_rate=1e-3"""
     env_id: str = DEPLOY
     """environment id"""
     resume: str | None = None
-    """run folder to go on in, with its algorithm, environment, seed and hyperparameters, to --timesteps in all"""
+    """run folder to continue, with its algorithm, environment, seed
+    and hyperparameters, up to --timesteps in all"""
     out: str | None = None
     """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>"""
     eval_episodes: int = 20
-    """held-out episodes of the comparison with the laws"""
+    """held-out episodes of the comparison with the drive laws"""
 
 
 def run_command(args: Args) -> int:
-    """Train, compare, and leave a run folder: models, configuration, table and figure."""
+    """Train and compare; write a run folder with models, configuration, table and figure."""
     episode_seeds("evaluation", 0, args.eval_episodes)  # refuses a number out of range
     args.workers  # noqa: B018 (checks them)
     if args.resume:
@@ -79,7 +80,7 @@ def run_command(args: Args) -> int:
 
 
 def configuration(args: Args) -> runs.Configuration:
-    """Make the settings of the run; PPO's rollouts have 2048 steps over all environments, or the run's if fewer."""
+    """Make the run's configuration; a rollout of PPO has 2048 steps over all environments, or all steps if fewer."""
     if args.algo not in ALGORITHMS:
         raise ValueError(f"no algorithm {args.algo!r}; available: {', '.join(ALGORITHMS)}")
     timesteps = TIMESTEPS if args.timesteps is None else args.timesteps

@@ -35,11 +35,11 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
     episodes: int = 1600
     """budget of training episodes"""
     episodes_per_candidate: int = 4
-    """episodes a candidate is judged by, the same for all of a generation"""
+    """episodes that judge a candidate; all candidates of a generation have the same ones"""
     validation_episodes: int = 20
     """episodes that decide between the candidates left at the end"""
     refine: str | None = None
-    """environment id whose tuned parameters the search starts from, and stays closer to, instead of the defaults"""
+    """environment id whose tuned parameters start the search, which then stays closer to them"""
     seed: int = 0
     """seed of the search and of its episodes"""
     env_id: str = DEFAULT_ENV_ID
@@ -47,7 +47,7 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Run the command; see `Args`. A ValueError says that there is nothing to tune, or the budget is too small."""
+    """Tune the law and store its parameters. Raise a ValueError if nothing is tunable or the budget is too small."""
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
     if args.episodes_per_candidate < 1:

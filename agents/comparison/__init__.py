@@ -1,5 +1,5 @@
-"""Comparison of controllers: naming them, running the same episodes for all, statistics, tables and figures.
+"""Comparison of controllers by name on the same episodes: statistics, tables and figures.
 
-Imports the laws and run folders. To add a figure of an episode: a row in `report.TABLE`; a kind of controller: a branch
-of `controllers.NamedController`.
+This package imports the laws and run folders. A further figure of an episode is an entry of `report.TABLE`; a further
+kind of controller is a branch of `controllers.NamedController`.
 """

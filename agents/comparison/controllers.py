@@ -1,4 +1,4 @@
-"""Controllers by name: rows of the table of laws, shipped policies, run folders, and saved models."""
+"""Controllers by name: torque laws, shipped policies, run folders, and saved models."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from agents.learning import runs
 from agents.torque_laws import Controller
 
 SEARCH_AROUND = "receding-horizon:"
-"""What the spec of a search with foresight begins with, before the controller that it begins at."""
+"""Prefix that names a receding-horizon search; the controller at which the search starts follows."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +27,8 @@ class NamedController:
             `model.save`; or one of these after `SEARCH_AROUND`.
 
     Raises:
-        FileNotFoundError: By the methods, where the run does not exist or has no policy.
-        ValueError: By the methods, where a file is damaged, and by `load`, where the controller does not fit the
+        FileNotFoundError: From the methods, if the run does not exist or has no policy.
+        ValueError: From the methods, if a file is damaged, and from `load`, if the controller does not fit the
             environment.
     """
 
@@ -37,7 +37,7 @@ class NamedController:
 
     @property
     def base(self) -> str:
-        """Spec of the controller, or of the controller at which a search begins."""
+        """Specification without a search's prefix: the controller itself, or the one at which the search begins."""
         return self.spec.removeprefix(SEARCH_AROUND)
 
     @property
@@ -47,7 +47,7 @@ class NamedController:
 
     @property
     def resolved(self) -> str:
-        """Spec that names the same controller from any working directory."""
+        """Specification that names the same controller from any working directory."""
         named = self.base in LAWS or self.base in runs.shipped()
         return self.spec if named else self.spec.removesuffix(self.base) + str(self.folder.resolve())
 
@@ -56,7 +56,7 @@ class NamedController:
         return self.base.endswith(".zip")
 
     def load(self, env: gymnasium.Env) -> Controller:
-        """Make the controller for `env`."""
+        """Load the controller for `env`, after checking that a trained policy fits the environment."""
         controller: Controller
         if self.base in LAWS:
             controller = make_baseline(self.base, env)
@@ -75,7 +75,7 @@ class NamedController:
         return [path for path in files if path.is_file()]
 
     def training(self) -> runs.Configuration | None:
-        """Read the record of the training; None for a law or a saved model, which have no record."""
+        """Read the configuration of the training; None for a law or a saved model, which have no configuration."""
         if self.base in LAWS or self._is_model:
             return None
         if not (self.folder / runs.CONFIG).is_file():
@@ -86,7 +86,7 @@ class NamedController:
         return runs.read_config(self.folder)
 
     def interface(self) -> Keywords:
-        """Return the environment keywords of observation, action and control period, of the training or of laws."""
+        """Return the `INTERFACE` keywords of the environment that the policy was trained on, or that laws need."""
         if self.base in LAWS:
             return dict(OF_LAWS)
         training = self.training()
@@ -95,7 +95,7 @@ class NamedController:
 
 
 def parse_controller(text: str) -> NamedController:
-    """Read `NAME=SPEC`, or SPEC alone: a law or policy then names itself, a run folder has its last component as name.
+    """Read `NAME=SPEC`, or SPEC alone: a law or policy then names itself, a run folder is named by its last component.
 
     An existing folder is read as a folder, whatever characters are in its name.
 

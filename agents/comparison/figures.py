@@ -15,8 +15,8 @@ from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, 
 from solar_env.support.files import save_figure
 
 Curve = tuple[np.ndarray, ...]
-"""Of a training run: abscissas, one after the other, and mean validation returns, all (validations,)."""
-OVER = ("environment steps", "seconds of a core")
+"""Validation curve of a training run: abscissas of several kinds, then mean returns, all (validations,)."""
+OVER = ("environment steps", "seconds of a core")  # names of the abscissas
 
 
 @rc_context(STYLE)
@@ -31,9 +31,12 @@ def comparison_figure(summary: Summary, path: Path) -> None:
         if any(of[key].mean > 0 for of in summary.values()):
             panels.append((key, *TABLE[key]))
     names, looks = list(summary)[::-1], controller_looks(list(summary))
-    figure = Figure(figsize=(0.5 + 3.25 * len(panels), 1.0 + 0.32 * len(names)), layout="constrained")
-    across = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-    for axes, (key, label, factor) in zip(across, panels, strict=True):
+    rows, columns = math.ceil(len(panels) / 2), min(len(panels), 2)
+    figure = Figure(figsize=(8.8, 0.7 + rows * (0.6 + 0.24 * len(names))), layout="constrained")
+    grid = figure.subplots(rows, columns, sharey=True, squeeze=False).ravel()
+    for axes in grid[len(panels) :]:
+        axes.remove()
+    for axes, (key, label, factor) in zip(grid, panels, strict=False):
         for row, name in enumerate(names):
             value = summary[name][key]
             if value.count == 0:
@@ -56,8 +59,8 @@ def comparison_figure(summary: Summary, path: Path) -> None:
     best = max(summary, key=lambda name: summary[name]["return"].mean)
     interval = " with 95 % interval" if summary[best]["return"].count >= FEWEST else ""
     marks = f"marks: interquartile mean{interval}; x: worst episode"
-    figure.suptitle(f"{best} has the best return, {summary[best]['return'].mean:.3g}\n{marks}")
-    save_figure(figure, path, dpi=130)
+    figure.suptitle(f'"{best}" has the best return, {summary[best]["return"].mean:.3g}\n{marks}')
+    save_figure(figure, path, dpi=100)
 
 
 class Panel(NamedTuple):
@@ -69,7 +72,7 @@ class Panel(NamedTuple):
 
 @rc_context(STYLE)
 def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequence[str] = OVER) -> None:
-    """Draw validation returns by scene against the curves' abscissas: medians over training seeds, and their range.
+    """Draw validation returns by scene, one row of axes per abscissa in `over`: median and range over training seeds.
 
     Curves are drawn up to the earliest end among the seeds.
     """
@@ -100,7 +103,7 @@ def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequen
 
 
 def _over_common(of_agent: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the abscissas (n,) of all runs up to the earliest end, and the values (runs, n) there, interpolated."""
+    """Return the abscissas (n,) of all runs up to the earliest end, and the interpolated values (runs, n) there."""
     at = np.unique(np.concatenate([run for run, _ in of_agent]))
     at = at[at <= min(run[-1] for run, _ in of_agent)]
     return at, np.array([np.interp(at, *run) for run in of_agent])

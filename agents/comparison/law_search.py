@@ -1,4 +1,4 @@
-"""Search of a torque law's parameters by CMA-ES on the environment's return."""
+"""Search for a torque law's parameters by CMA-ES on the environment's return."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from solar_env.support.minimisation import minimise
 
 @dataclass(frozen=True)
 class LawSearch:
-    """Search of a law's parameters in an environment: number of candidates, and of episodes that judge each of them.
+    """Search for a torque law's parameters: a budget of `points` candidates, each judged by `episodes` episodes.
 
     Training episodes are fresh in every generation. Validation episodes decide between the candidates left at the end.
     """
@@ -31,7 +31,7 @@ class LawSearch:
     progress: bool
 
     def run(self, start: LawParameters, spread: float = 0.25) -> tuple[list[LawParameters], list[float], int]:
-        """Search; return the start, the best and the final mean, their validation returns, and the episodes run."""
+        """Run the search; return start, best and final mean, their validation returns, and the number of episodes."""
         validation = episode_seeds("validation", self.seed, self.validation_episodes)
         generations = simulated = 0
 
@@ -49,7 +49,7 @@ class LawSearch:
         return candidates, self._returns(candidates, validation), simulated
 
     def _returns(self, candidates: Sequence[LawParameters], seeds: Sequence[int]) -> list[float]:
-        """Return the mean return of each candidate over the same episodes; -inf after a failure."""
+        """Return the mean return of each candidate over the same episodes; it is -inf after a failure."""
         shared = {"spec": self.law, "env_id": self.env_id, "env_kwargs": runs.jsonable(self.env_kwargs)}
         cells = [{**shared, "parameters": asdict(each), "seed": seed} for each in candidates for seed in seeds]
         returns = [figures.get("return", -math.inf) for figures in run_cells(cells, self.workers, progress=False)]

@@ -110,10 +110,12 @@ def answer(summary: Summary, found: Mapping[str, Any], torque_limit: float) -> l
     drive = max((name for name in returns if name.startswith(DRIVE)), key=lambda name: returns[name])
     better, worse = sorted((drive, damper), key=lambda name: -returns[name])
     force = {name: summary[name]["peak_postlock_force_N"].mean for name in returns}
+    torque = {name: summary[name]["peak_latch_torque_Nm"].mean for name in returns}
     lines = [
         f"On {found['model']} the {better} does better than the {worse}: return {returns[better]:.2f} and "
-        f"{returns[worse]:.2f}, force after latching {force[better]:.3g} and {force[worse]:.3g} N; the springs alone "
-        f"have {returns[SPRINGS]:.2f} and {force[SPRINGS]:.3g} N. The damper is in each of {found['hinges']} hinges; "
+        f"{returns[worse]:.2f}, latch torque {torque[better]:.3g} and {torque[worse]:.3g} N m, force after latching "
+        f"{force[better]:.3g} and {force[worse]:.3g} N; the springs alone have {returns[SPRINGS]:.2f}, "
+        f"{torque[SPRINGS]:.3g} N m and {force[SPRINGS]:.3g} N. The damper is in each of {found['hinges']} hinges; "
         f"the drive turns the root alone, with up to {torque_limit:g} N m."
     ]
     return [*lines, *found["unfit"]]

@@ -1,4 +1,4 @@
-"""Receding-horizon control by rollouts of the simulator itself, a reference that no drive could run."""
+"""Receding-horizon control by rollouts of the simulator itself, as a reference that no real drive could run."""
 
 import math
 from contextlib import closing
@@ -35,23 +35,23 @@ class SearchSettings:
 
 
 class RecedingHorizon(DeterministicController):
-    """Controller that finds its actions by search over rollouts of the simulator from its present state.
+    """Controller that searches for its actions by rollouts of the simulator from the present state.
 
     A controller with foresight can reach this controller's return, which is no upper bound of all returns.
 
-    A candidate adds a residual, linear between knots, to the actions of a base (a law or a policy), to the end of the
-    episode, because the cost comes with latching and after it. Candidates are searched by the cross-entropy method
-    (R. Y. Rubinstein, Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew after every
-    `replan_after`, around the last plan. The rollouts start from the exact state, with the true parameters, the true
+    A candidate adds a residual, linear between knots, to the actions of a base controller (a law or a policy). Rollouts
+    last to the end of the episode, because the cost comes with latching and after it. The cross-entropy method (R. Y.
+    Rubinstein, Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143) searches around the last
+    plan, anew after every `replan_after`. Rollouts start from the exact state, with the true parameters, the true
     motor, and the sensors' future noise.
 
-    The actions of the best rollout are applied: the simulator is deterministic, so that its return is reached. Only a
-    better plan replaces a plan: the predicted return never falls, and is never below the return of the base.
+    The actions of the best rollout are applied. The simulator is deterministic: the predicted return is reached.
+    A plan is replaced by better plans only: the predicted return never falls, nor below the base controller's return.
 
     Args:
         env: Environment of this project, not a vector; `act` must be called in every period of its episodes, and
-            its actions must be taken unchanged.
-        base: Controller without a memory.
+            the returned actions must be applied unchanged.
+        base: Memoryless controller, to whose actions residuals are added.
         settings: Settings of the search.
         seed: Seed of the search, used anew in every episode.
 
@@ -88,7 +88,7 @@ class RecedingHorizon(DeterministicController):
         return np.full((1,) * np.ndim(observation), self._actions[period - self._start])
 
     def _replan(self, done: int) -> None:
-        """Search for a better plan around the present one, from the present state, `done` periods into the plan."""
+        """Search around the present plan for a better plan from the present state, `done` periods into the plan."""
         settings, task, now = self._settings, self._env.task, self._env.simulation.time
         knot_times = np.linspace(now, max(task.deadline, now + task.control_period), settings.knots)
         mean = np.interp(knot_times, self._knot_times, self._residual)
@@ -113,9 +113,9 @@ class RecedingHorizon(DeterministicController):
         self.predicted_returns.append(predicted)
 
     def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Roll out residuals (n, knots); return actions, float32, and rewards (n, periods) from now to the end.
+        """Roll out residuals (n, knots); return float32 actions and rewards, (n, periods) each, from now to the end.
 
-        Rows of episodes that are shorter than others end with zeros.
+        Episodes that are shorter than others are filled with zeros.
         """
         task, count = self._env.task, len(residuals)
         longest = task.deadline * (1.0 + task.overtime) + task.settling_window

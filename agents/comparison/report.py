@@ -21,6 +21,7 @@ from solar_env.support.versions import versions
 TABLE: dict[str, tuple[str, float]] = {
     "return": ("return", 1.0),
     "v1_return": ("return at the prices of v1", 1.0),
+    "peak_latch_torque_Nm": ("latch torque [N m]", 1.0),
     "peak_postlock_force_N": ("peak post-lock force [N]", 1.0),
     "peak_prelatch_force_N": ("peak force before latching [N]", 1.0),
     "sliding_work_J": ("sliding work [mJ]", 1e3),
@@ -31,15 +32,15 @@ TABLES = "comparison.md"  # file with the tables of an evaluation
 HIGHER_IS_BETTER = frozenset({"return", "v1_return"})
 
 Row = dict[str, Any]
-Entry = dict[str, Any]  # entry of a controller: estimates, number of runs, share of latched episodes
+Entry = dict[str, Any]  # entry of a controller: estimates, number of runs, fraction of latched episodes
 Summary = dict[str, Entry]
 
 
 def summarize(rows: Sequence[Row]) -> Summary:
-    """Summarize by controller: latched fraction, an estimate of every figure of `TABLE`, comparison with `reference`.
+    """Summarize rows by controller: latched fraction, estimates of the figures of `TABLE`, comparison with `reference`.
 
-    The comparison, over episodes with the same seed, has the difference of the returns, "above", and the probability
-    of a higher return, "better".
+    The comparison pairs episodes with the same seed. The entry "above" is the difference of the returns, "better" the
+    probability of a higher return.
     """
     by_run: dict[str, dict[str, list[Row]]] = {}
     for row in sorted(rows, key=lambda row: row["episode"]):
@@ -61,7 +62,7 @@ def _values(by_run: Mapping[str, Sequence[Row]], figure: str) -> list[np.ndarray
 
 
 def reference(rows: Sequence[Row]) -> str:
-    """Name the controller to compare the others with: the law with the highest mean return, else the first one."""
+    """Name the controller to compare the others with: the law of highest mean return, or else the first controller."""
     returns = {
         name: float(interquartile_mean(np.array([row["return"] for row in rows if row["controller"] == name])))
         for name in dict.fromkeys(row["controller"] for row in rows if row["spec"] in LAWS)
@@ -70,7 +71,7 @@ def reference(rows: Sequence[Row]) -> str:
 
 
 def tabulate(rows: Sequence[Row], summary: Summary | None = None) -> str:
-    """Write the comparison, by default its `summarize`, as a table in Markdown, with an explanation of the numbers."""
+    """Format a comparison as a table in Markdown with an explanation; `summary` defaults to the summary of `rows`."""
     summary = summarize(rows) if summary is None else summary
     figures = [figure for figure in TABLE if figure in next(iter(summary.values()))]
     other = reference(rows)
@@ -84,7 +85,7 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None) -> str:
     told = (
         f"Interquartile mean over evaluation episodes ({len({row['episode'] for row in rows})}), the same for every "
         f"controller, with a 95 % bootstrap interval from {FEWEST} values on, and the worst episode. Post-lock figures "
-        f"are those of deployments that latched. The return is compared with that of {other} episode by episode."
+        f"count deployments that latched. The returns of {other} and of each controller are compared by episode."
     )
     return f"{told}\n\n{markdown_table(head, lines)}\n"
 
@@ -121,7 +122,7 @@ def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, o
 
 
 def _plain(value: object) -> object:
-    """Convert estimates to dictionaries, without an interval over few values, and NaN, which JSON lacks, to None."""
+    """Convert estimates to dictionaries, with intervals only from `FEWEST` values on, and NaN to None for JSON."""
     if isinstance(value, Estimate):
         few = dict.fromkeys(("lower", "upper"), math.nan) if value.count < FEWEST else {}
         return {key: _plain(v) for key, v in (asdict(value) | few).items()}

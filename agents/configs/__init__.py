@@ -1,4 +1,4 @@
-"""Parameters that tuning found for laws, and hyperparameters of learning algorithms: a JSON file for each."""
+"""Tuned parameters, in a JSON file for each torque law, and hyperparameters of learning algorithms."""
 
 from pathlib import Path
 

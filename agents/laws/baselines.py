@@ -1,4 +1,4 @@
-"""Controllers without learning by name, with the parameters that tuning has found for a scenario and a model."""
+"""Torque laws by name, with the parameters that tuning has found for a scenario and a model."""
 
 import json
 import warnings
@@ -16,7 +16,7 @@ from solar_env.support.files import write_text
 from solar_env.support.plain_arrays import read_json
 
 FALLBACK_MODEL = "rigid-clearance"
-"""Model whose parameters a model gets for which none were tuned."""
+"""Model whose tuned parameters serve the models without tuned parameters."""
 
 
 class UntunedWarning(UserWarning):
@@ -26,8 +26,8 @@ class UntunedWarning(UserWarning):
 def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
     """Read the tuned parameters of the law `name` for a model of `env_id` from `agents/configs/<name>.json`.
 
-    Parameters are tuned for one model and any number of elements. A model without tuned parameters gets the ones of
-    `FALLBACK_MODEL`, with a warning: they deploy the array, but are not the law's best for that model.
+    Parameters are tuned for one model with any number of modes or elements. A model without tuned parameters gets, with
+    a warning, parameters for `FALLBACK_MODEL`, which deploy the array but are not the law's best for that model.
 
     Raises:
         ValueError: The file has no usable entry for `env_id`, or the entry's keys are not the law's.
@@ -46,7 +46,7 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
 
 
 def store_parameters(name: str, env_id: str, model: str, entry: Mapping[str, object]) -> Path:
-    """Write tuning's result to the law's file; it replaces the entry for the same environment id and model."""
+    """Write a tuning result to the law's file, where it replaces the entry of the same environment id and model."""
     entries, path = _entries(name), CONFIGS / f"{name}.json"
     entries.setdefault(env_id, {})[model] = entry
     write_text(path, json.dumps(entries, indent=2, allow_nan=False) + "\n")
@@ -54,18 +54,18 @@ def store_parameters(name: str, env_id: str, model: str, entry: Mapping[str, obj
 
 
 def tuning_of(name: str, env_id: str, model: str) -> dict[str, Any]:
-    """Return the record of the tuning that the parameters of a model come from, see `load_parameters`."""
+    """Return the record of the tuning that found the parameters of a model, see `load_parameters`."""
     return _entry(name, env_id, model)[0]["tuning"]
 
 
 def _entries(name: str) -> dict[str, Any]:
-    """Read the law's file: environment id -> model -> entry."""
+    """Read the file of a law: environment id -> model -> entry."""
     path = CONFIGS / f"{name}.json"
     return read_json(path) if path.exists() else {}
 
 
 def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
-    """Return the entry of the law's file that a model gets, and the model that it was tuned for."""
+    """Return the entry of a law's file that applies to a model, and the model for which this entry was tuned."""
     entries, (stem, _, _) = _entries(name), env_id.rpartition("-")
     by_model = entries.get(env_id) or entries.get(f"{stem}-v1", {})
     source = model if model in by_model else FALLBACK_MODEL
@@ -78,7 +78,7 @@ def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
 
 
 def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | None = None) -> Controller:
-    """Make the controller `name` for `env`; laws of `TUNABLE` take `parameters`.
+    """Make the torque law `name` for `env`; laws of `TUNABLE` take `parameters`.
 
     By default the parameters are the ones tuned for the environment's model. A model without tuned parameters gets,
     with a warning, the parameters for the rigid array with clearance; see `load_parameters`.

@@ -1,4 +1,4 @@
-"""The simplest controllers: no torque, a damper, and a spring and damper of the driven joint."""
+"""The simplest torque laws: no torque, a damper, and a spring and damper on the driven joint."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ class DamperParameters(LawParameters):
 
 
 class ViscousDamper(TunableLaw[DamperParameters]):
-    """A torque against the rate of the driven joint, as the rotary dampers of spring-driven hinges exert it."""
+    """A torque against the rate of the driven joint, like the torque of rotary dampers in spring-driven hinges."""
 
     reads = ("rate_driven",)
     defaults = DamperParameters()
@@ -44,7 +44,7 @@ class ProportionalDerivativeParameters(LawParameters):
 
     Attributes:
         proportional_gain: Torque per angle of the driven joint short of its lock angle [N m/rad].
-        derivative_gain: Torque per rate of the driven joint, against it [N m s/rad].
+        derivative_gain: Torque per rate of the driven joint, against this rate [N m s/rad].
         saturation: Greatest torque in either direction [N m].
     """
 

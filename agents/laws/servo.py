@@ -1,4 +1,4 @@
-"""Feedback that makes the opening follow a velocity profile, alone or after a given history of the torque."""
+"""Torque laws that make the opening follow a velocity profile, at once or after an open-loop torque history."""
 
 from dataclasses import dataclass
 
@@ -21,15 +21,15 @@ class ServoParameters(LawParameters):
         latch_rate: Opening rate of the profile at the lock angle [1/s].
         deceleration: Deceleration of the profile ahead of the lock angle [1/s^2].
         gain: Torque per opening-rate error [N m s].
-        joint_2_weight: Share of joint 2 in the opening that follows the profile; joint 1 has the rest.
+        joint_2_weight: Weight of joint 2 in the opening that follows the profile; joint 1 has the rest.
         difference_damping: Torque on joint 1 against the opening-rate difference of the joints, which the
             cable loop makes oscillate [N m s].
         settling_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
         settling_stiffness: Torque after the last latch per angle of the driven joint off its lock angle [N m/rad]: a
-            latched joint still has play, and the array would swing across it.
-        smoothing: Share of the motor torque that is kept from one control period to the next: a low-pass filter. The
-            rates shake with the panels and the journals. If the motor held the springs back until the last latch and
-            let go at once, the springs would throw the array across the play.
+            latched joint still has play, and the array would swing across the play.
+        smoothing: Fraction of the motor torque that carries over to the next control period, as a low-pass filter. The
+            filter suppresses the vibrations of panels and journals in the rates. Without it, a motor that lets go of
+            the springs at the last latch would let the springs throw the array across the play.
     """
 
     cruise_rate: float = bounded(0.08, 0.05, 0.2)
@@ -49,7 +49,7 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
     The profile has constant deceleration, `min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))` at the opening `s`,
     but is never too slow to reach the lock angle `RESERVE` ahead of the deadline.
     Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile for joint 1 alone does not lower
-    the impact, so `s` weighs both. The torque is zero on the profile, and low-pass filtered.
+    the impact, so `s` is a mean of both. The low-pass filtered torque is zero where the rate follows the profile.
     """
 
     reads = (*OPENING, "theta_driven", "rate_driven", "motor_torque", "time_to_deadline")
@@ -94,10 +94,10 @@ class SoftStartParameters(ServoParameters):
 
 
 class SoftStartServo(VelocityProfileServo):
-    """A servo that lands the array, after a history of the torque that starts it gently.
+    """A servo that lands the array after an open-loop torque history that starts the motion gently.
 
     The servo alone accelerates the array at once, to have time for the landing, and nearly all wear of a soft
-    deployment comes from that start. The last latch ends the history of the torque.
+    deployment comes from that start. The last latch ends the torque history.
     """
 
     parameters: SoftStartParameters

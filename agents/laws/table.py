@@ -1,4 +1,4 @@
-"""The table of controllers without learning; tuning, evaluation and help texts follow it."""
+"""Table of the controllers without learning, on which tuning, evaluation and help texts rely."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ TUNABLE: dict[str, type[TunableLaw[Any]]] = {
     "soft-start": SoftStartServo,
     "pd": ProportionalDerivative,
 }
-"""Name -> class of the laws whose parameters are those that `solar-env tune` has found."""
+"""Name -> class of the drive laws with parameters, which `solar-env tune` finds."""
 
 LAWS: dict[str, type[TorqueLaw]] = {"passive": Passive, **TUNABLE, "servo-untuned": VelocityProfileServo}
-"""Name -> class of all controllers without learning."""
+"""Name -> class of all drive laws: the controllers without learning."""

@@ -1,5 +1,5 @@
 """Training with Stable-Baselines3, from a configuration to a run folder.
 
 `training` trains; `runs` defines and reads run folders; `weight_search` is CMA-ES over the weights of a policy. To add
-an algorithm: its class in `training.ALGORITHMS`.
+an algorithm, add its class to `training.ALGORITHMS`.
 """

@@ -1,4 +1,4 @@
-"""Run folders: settings and results of trainings. Reading a run folder executes no code from it."""
+"""Run folders: settings and results of training runs. Reading a run folder executes no code from it."""
 
 import json
 import re
@@ -19,7 +19,7 @@ from solar_env.support.plain_arrays import read_arrays, read_json
 from solar_env.support.values import check_types
 
 SHIPPED = Path(__file__).parents[1] / "policies"  # folders of the policies that come with the package
-LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # libraries a run depends on, beside the simulator's
+LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # libraries of a run, beside the simulator's libraries
 CONFIG = "config.json"
 BEST, LAST = "best_model.zip", "last_model.zip"  # Stable-Baselines3's models: the best and the last in validation
 EVALUATIONS = "evaluations.npz"  # file of Stable-Baselines3's EvalCallback
@@ -28,7 +28,7 @@ HISTORY = ("timesteps", "results", "ep_lengths")  # arrays in EVALUATIONS
 
 @dataclass(frozen=True)
 class Configuration:
-    """Complete settings of a training run, which determine it.
+    """Complete settings of a training run, which determine the run.
 
     Attributes:
         algo: Name of the algorithm, one of `agents.learning.training.ALGORITHMS`.
@@ -42,7 +42,7 @@ class Configuration:
         versions: Versions of the packages.
 
     Raises:
-        ValueError: On construction, for a value of another kind, or no environment of this project.
+        ValueError: On construction, if a value has a wrong type or range, or the environment is not of this project.
     """
 
     algo: str
@@ -90,7 +90,7 @@ def read_config(folder: str | Path) -> Configuration:
 
     Raises:
         FileNotFoundError: `folder` is not a run folder.
-        ValueError: The file is not whole, describes no run, or has a value of another kind.
+        ValueError: The file is damaged, describes no run, or has a value of a wrong type or range.
     """
     path = Path(folder) / CONFIG
     if not path.is_file():
@@ -110,7 +110,7 @@ def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
 
     Raises:
         OSError: The file cannot be read.
-        ValueError: The file is not whole, or holds no such history.
+        ValueError: The file is damaged, or holds no such history.
     """
     path = folder / EVALUATIONS
     try:
@@ -136,8 +136,8 @@ def best_policy(name: str | Path) -> PolicyNetwork:
     """Read the best policy of a run folder, a policy of this package by its name, or a saved model (.zip).
 
     Raises:
-        FileNotFoundError: There is no run, or it was interrupted before its first validation.
-        ValueError: A file is not whole; the message names it.
+        FileNotFoundError: The run does not exist, or was interrupted before its first validation.
+        ValueError: A file is damaged; the message names the file.
     """
     if str(name).endswith(".zip"):
         return read_model(name)
@@ -148,7 +148,7 @@ def best_policy(name: str | Path) -> PolicyNetwork:
 
 
 def check(config: Configuration, env: gymnasium.Env) -> None:
-    """Refuse an environment whose observations or actions have another meaning than in a training.
+    """Refuse an environment whose observations or actions have another meaning than in the training run.
 
     Raises:
         ValueError: As in `Signals.check`.

@@ -1,4 +1,4 @@
-"""Training with Stable-Baselines3: an algorithm by name with its defaults, validation on the way, models kept."""
+"""Training with Stable-Baselines3: an algorithm by name with its defaults, regular validation, and saved models."""
 
 import io
 import json
@@ -40,7 +40,7 @@ class Keep(BaseCallback):
 
 
 def make_model(config: runs.Configuration, env: VecEnv, **keywords: Any) -> BaseAlgorithm:
-    """Make a fresh model; a ValueError says why the algorithm refuses its hyperparameters."""
+    """Make an untrained model; raise a ValueError with the reason if the algorithm refuses its hyperparameters."""
     seed = episode_seeds("training", config.seed, 1)[0]
     try:
         given = {"seed": seed, "device": "cpu", **keywords, **config.hyperparameters}
@@ -51,9 +51,9 @@ def make_model(config: runs.Configuration, env: VecEnv, **keywords: Any) -> Base
 
 
 def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bool = True) -> None:
-    """Train up to `timesteps` steps in all, going on from the last validation in the folder, if any.
+    """Train up to `timesteps` steps in all, from the last validation in the folder if the folder has one.
 
-    The folder is made once the algorithm has taken its hyperparameters.
+    The folder is made only after the algorithm has accepted its hyperparameters.
     """
     torch.set_num_threads(1)  # small networks: more threads only contend
     first = episode_seeds("validation", config.seed, 1)[0]

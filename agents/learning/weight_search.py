@@ -1,7 +1,7 @@
-"""Search over the weights of a policy by whole episodes: CMA-ES with the interface of Stable-Baselines3.
+"""Search over the weights of a policy by the returns of whole episodes: CMA-ES with the interface of Stable-Baselines3.
 
-Noise on the weights tries one behaviour for a whole deployment. Candidates are compared by the returns of whole
-episodes, so that no gradient must bridge the delay between a landing and its cost.
+Noise on the weights tries one behaviour for a whole deployment. Returns of whole episodes rank the candidates, so that
+no gradient must bridge the delay between a landing and its cost.
 """
 
 import math
@@ -19,21 +19,21 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from agents.policies.saved_models import read_model
 
-BETWEEN, FINALISTS = 10, 2  # generations from one round to the next, candidates that have a round beside the mean
+BETWEEN, FINALISTS = 10, 2  # generations between judging rounds, and candidates that are judged beside the mean
 ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
 
 
 class CMAES(ARS):
-    """CMA-ES over the weights (N. Hansen, 2016, arXiv:1604.00772), whose policy is the best candidate so far.
+    """CMA-ES over policy weights (N. Hansen, 2016, arXiv:1604.00772), with the best candidate so far as the policy.
 
     The policy is a hyperbolic tangent of a linear function, or the policy of `start`, of which only the last layer is
-    searched. The mean of the distribution wanders over a rough landscape, and a single episode flatters. Every few
-    generations the mean and the best candidates since the last time therefore have a round each: an episode in every
-    environment, the same episodes every time. The policy is the best of all candidates that have had a round.
+    searched. The mean of the distribution wanders over a rough landscape, and a single episode may flatter a candidate.
+    Every few generations the mean and the best candidates since the last round are therefore judged: each runs an
+    episode in every environment, the same episodes in all rounds. The best of all judged candidates is the policy.
 
     Args:
         policy, env: See `stable_baselines3.common.base_class.BaseAlgorithm`. Candidates are compared on the same
-            episodes; their number is the number of environments divided by `population`, at least one.
+            episodes; the number of episodes is the number of environments divided by `population`, at least one.
         population: Candidates of a generation.
         deviation: Standard deviation of every weight in the first generation; by default 0.3, or 0.05 with `start`.
         start: Model of Stable-Baselines3 (.zip) to begin with.
@@ -111,7 +111,7 @@ class CMAES(ARS):
         callback.on_rollout_end()
 
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
-        """Judge weights by a round; they become the policy's if no earlier ones had as high a mean return."""
+        """Judge weights by a round of episodes; weights with the highest mean return so far become the policy's."""
         first = self.seed or 0
         tries = [(searched, first + episode) for episode in range(self.env.num_envs)]
         mean_return = float(self._returns(tries, callback).mean())
@@ -121,11 +121,11 @@ class CMAES(ARS):
             self.policy.load_from_vector(self.weights.numpy())
 
     def _whole(self, searched: np.ndarray) -> np.ndarray:
-        """Return all weights (n_params,) of a candidate, the last of which are its own (searched,)."""
+        """Return all weights (n_params,) of a candidate, of which the last are the searched weights (searched,)."""
         return np.concatenate([self.weights.numpy()[: -self.searched], searched]).astype(np.float32)
 
     def _returns(self, tries: Sequence[tuple[np.ndarray, int]], callback: BaseCallback) -> np.ndarray:
-        """Run an episode of each (candidate, seed), one per environment at a time, and return the returns (tries,)."""
+        """Run an episode of each (candidate, seed), one per environment at a time; return their returns (tries,)."""
         count = self.env.num_envs
         parts = [tries[first : first + count] for first in range(0, len(tries), count)]
         return np.concatenate([self._round(part, callback) for part in parts])

@@ -1,4 +1,4 @@
-"""The network of a policy as plain arrays, in NumPy."""
+"""The network of a policy as plain NumPy arrays."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -21,7 +21,7 @@ class Layer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PolicyNetwork(DeterministicController):
-    """The network of a policy's deterministic action, as plain arrays in single precision.
+    """A network that maps observations to a policy's deterministic actions, as plain arrays in single precision.
 
     An observation gives the same action, to the last bit, alone and in a batch.
 
@@ -29,7 +29,7 @@ class PolicyNetwork(DeterministicController):
         layers: Layers from the observation to the mean of the action.
         activation: Function between the layers: relu or tanh.
         output: Function that maps the mean to an action in [-1, 1]: clip or tanh.
-        mean_limit: Bound to which the mean is clipped before `output`; None: no bound.
+        mean_limit: Bound to which the mean is clipped before `output`; None stands for no bound.
 
     Raises:
         ValueError: On construction; a layer does not fit the layer before it, or holds values other than finite
@@ -91,11 +91,11 @@ class PolicyNetwork(DeterministicController):
             )
         if values.ndim == 1:
             return self._action(values)
-        # One by one: a product of two matrices may add in another order than a product of a matrix and a vector.
+        # Map rows one by one: a matrix-matrix product may add in another order than a matrix-vector product.
         return np.array([self._action(row) for row in values]).reshape(len(values), self.outputs)
 
     def _action(self, observation: np.ndarray) -> np.ndarray:
-        """Return the action (outputs,) of an observation (inputs,)."""
+        """Evaluate the network: return the action (outputs,) of one observation (inputs,)."""
         values = observation
         for layer in self.layers[:-1]:
             values = layer.weights @ values + layer.biases

@@ -1,4 +1,4 @@
-"""The network of a policy as an ONNX model."""
+"""Conversion of a policy's network to an ONNX model."""
 
 import numpy as np
 from onnx import ModelProto, NodeProto, TensorProto, checker, helper, numpy_helper
@@ -11,7 +11,7 @@ ONNX_OPERATORS = {"relu": "Relu", "tanh": "Tanh"}
 
 
 def onnx_model(network: PolicyNetwork) -> ModelProto:
-    """Build the network as an `onnx.ModelProto`: "observation" (n, inputs) to "action" (n, outputs), both float32."""
+    """Build the `onnx.ModelProto` that maps "observation" (n, inputs) to "action" (n, outputs), both float32."""
     nodes: list[NodeProto] = []
     constants: list[TensorProto] = []
 

@@ -18,7 +18,7 @@ class Architecture(NamedTuple):
     """A policy of Stable-Baselines3 with fully connected layers.
 
     Attributes:
-        parts: Beginnings of the names of the layers' parameters, from the observation to the action's mean.
+        parts: Prefixes of the layers' parameter names, from the observation to the action's mean.
         activation: Function between the layers, unless `policy_kwargs` say otherwise.
         output: Function from the mean to the action.
     """
@@ -28,19 +28,19 @@ class Architecture(NamedTuple):
     output: str
 
 
-# A file has the first architecture whose parts are all in the file.
+# A model has the first architecture whose parts are all in its file and need no other parameters.
 ARCHITECTURES = {
     "PPO, A2C, TRPO": Architecture(("mlp_extractor.policy_net", "action_net"), "tanh", "clip"),
     "SAC, TQC": Architecture(("actor.latent_pi", "actor.mu"), "relu", "tanh"),
     "TD3, DDPG": Architecture(("actor.mu",), "relu", "tanh"),
     "ARS and the searches": Architecture(("action_net",), "relu", "tanh"),
 }
-# Beginnings of the names of parameters without effect on a deterministic action.
+# Prefixes of parameter names without effect on a deterministic action.
 _OTHERS = ("critic", "actor_target", "mlp_extractor.value_net", "value_net", "log_std", "actor.log_std")
 
 
 def read_model(path: str | Path) -> PolicyNetwork:
-    """Read the deterministic action of a model that `model.save` has written.
+    """Read the network of the deterministic action from a model that `model.save` has written.
 
     Raises:
         FileNotFoundError: The file does not exist.
@@ -62,7 +62,7 @@ def read_model(path: str | Path) -> PolicyNetwork:
 
 
 def _network(parameters: dict[str, np.ndarray], settings: dict[str, Any]) -> PolicyNetwork:
-    """Make the network from a policy's parameters and the model's `settings`."""
+    """Make the network from a policy's parameters by name and the saved `settings` of the model."""
     acting = {name: value for name, value in parameters.items() if not name.startswith(_OTHERS)}
     stems = list(dict.fromkeys(name.rpartition(".")[0] for name in acting))
     for architecture in ARCHITECTURES.values():
@@ -91,6 +91,6 @@ def _layer(parameters: dict[str, np.ndarray], stem: str) -> Layer:
 
 
 def _activation(policy_kwargs: dict[str, Any], usual: str) -> str:
-    """Return the name of the function between the layers: the usual one, unless a file names another class."""
+    """Return the name of the function between the layers: `usual`, unless `policy_kwargs` name another class."""
     told = str(policy_kwargs.get("activation_fn", usual)).rpartition(".")[2].lower()
     return told.strip("'>")

@@ -1,14 +1,14 @@
-"""The deployable solar array: its parameters with their sources and presets, and the mechanism that they describe.
+"""The deployable solar array: its parameters with their sources and presets, and the mechanism built from them.
 
-`parameters` holds the values, their checks, ranges and files, `level` says how panels and joints are modelled,
-`construction` turns both into a mechanism, `methods` says which integrator a level gets and whether it is compiled;
-`deployment` simulates one, `data_files` keeps it, `ladder` chooses the cheapest level.
+`parameters` holds the values with their checks, ranges and files. `level` says how panels and joints are modelled.
+`construction` builds the mechanism. `methods` chooses the integrator. `deployment` simulates a deployment, `data_files`
+writes the trajectory. `motorization` compares the hinges' torques. `ladder` chooses the cheapest level.
 
-Imports `mechanics` and `support`. A new parameter is a field of `ArrayParameters`, documented there, and its use in
-`construction`.
+The package imports `mechanics` and `support`. A new parameter is a documented field of `ArrayParameters`, which
+`construction` uses.
 """
 
-# ruff: noqa: F401 - names of the room
+# ruff: noqa: F401 - names that the package exports
 
 from solar_env.array.construction import build, main_body_corners
 from solar_env.array.ladder import cheapest_level

@@ -1,4 +1,4 @@
-"""The mechanism that array parameters describe, folded, and the outline of its main body."""
+"""Construction of the array's mechanism, folded or deployed, and the outline of the main body."""
 
 import math
 from collections.abc import Sequence
@@ -16,19 +16,19 @@ from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, 
 
 
 def _turning(spin: float, arm: Point) -> Point:
-    """Return the velocity of the end of an arm that turns about its other end."""
+    """Return the velocity [m/s] of an arm's free end; the arm [m] turns about its other end at `spin` [rad/s]."""
     return (-spin * arm[1], spin * arm[0])
 
 
 def _outward(row: JointRow) -> float:
-    """Return the angle [rad] from the inboard body to a panel in line with it: pi at a mirrored wing's root, else 0."""
+    """Return the angle [rad] of a panel in line with its inboard body: pi at a mirrored wing's root, otherwise 0."""
     return math.pi if row.side < 0 and row.inboard == MAIN_BODY else 0.0
 
 
 def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mechanism:
-    """Describe the array at rest with every joint at its lock angle, held by a linear spring as stiff as the latch.
+    """Describe the deployed array at rest; a linear spring as stiff as the latch holds every joint at its lock angle.
 
-    Joints are ideal, without play and friction, because the mechanism serves for vibrations of small amplitude.
+    The joints are ideal, without play and friction, because the mechanism serves to study small vibrations.
     """
     p = parameters.with_changes({"initial_spin": 0.0, "initial_rate": 0.0, "gravity": 0.0})
     opened = _build(p, ModelLevel.of(model), [row.lock_angle for row in p.joints])
@@ -42,20 +42,20 @@ def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mech
 
 
 def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearance") -> Mechanism:
-    """Describe the array as a mechanism, folded, with its initial rates.
+    """Describe the folded array with its initial rates as a mechanism.
 
     Args:
-        parameters: of the array.
+        parameters: parameters of the array.
         model: level of the model, see `ModelLevel`.
 
     Raises:
-        ValueError: if the level is unknown or does not go with a parameter.
+        ValueError: if the level is unknown or does not fit a parameter.
     """
     return _build(parameters, ModelLevel.of(model), [0.0] * parameters.joint_count)
 
 
 def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float]) -> Mechanism:
-    """Describe the array at some joint angles [rad]."""
+    """Describe the array at the given joint angles [rad], 0 for the folded position, as a mechanism."""
     bodies, joints, cables = [_main_body(p)], [], []
     for row, opened in zip(p.joints, joint_angles, strict=True):
         if row.inboard == MAIN_BODY:
@@ -78,7 +78,7 @@ def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float])
 
 
 def _main_body(p: ArrayParameters) -> AnyBody:
-    """Return the main body; its base points lie at the hinge's height, at the centroid's x and `body_length` beyond."""
+    """Return the main body; its base points are (0, hinge_y) and (body_length, hinge_y) from the centroid."""
     return Body(
         "main body",
         p.body_mass,
@@ -133,14 +133,14 @@ def _cable(p: ArrayParameters, inner: JointRow, outer: JointRow) -> CableLoop:
 
 
 def main_body_corners(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the corners (..., 4, 2) of the main body [m], in order round it, from its two base points (..., 2, 2)."""
+    """Return the main body's corners (..., 4, 2) [m], in order of the outline, from its two base points (..., 2, 2)."""
     centroid, along, across = main_body_frame(parameters, base_points)
     half, corners = parameters.body_size / 2, ((-1, -1), (1, -1), (1, 1), (-1, 1))
     return np.stack([centroid + half * (i * along + j * across) for i, j in corners], axis=-2)
 
 
 def main_body_frame(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """Return the centroid [m] and axes, (..., 2) each, of the main body from its two base points (..., 2, 2)."""
+    """Return the main body's centroid [m] and two unit axes, (..., 2) each, from its two base points (..., 2, 2)."""
     along = base_points[..., 1, :] - base_points[..., 0, :]
     along = along / np.hypot(along[..., :1], along[..., 1:])
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)

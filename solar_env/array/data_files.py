@@ -1,4 +1,4 @@
-"""Deployments as files that other tools read: NumPy's npz with everything, or a table of the samples as CSV."""
+"""Files of deployments for other tools: NumPy's npz with all data, or CSV with a table of the samples."""
 
 import csv
 import io
@@ -11,7 +11,7 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.support.files import check_target, write_text
 
 SUFFIXES = (".csv", ".npz")
-# Column of the table, with its unit, -> attribute of the trajectory, by joint.
+# CSV column with its unit -> attribute of the trajectory with values by joint.
 _BY_JOINT = {
     "angle_rad": "angles",
     "rate_rad_per_s": "rates",
@@ -25,9 +25,9 @@ _BY_JOINT = {
 
 
 def write_data(trajectory: Trajectory, path: Path) -> None:
-    """Write a deployment in the suffix's format: ".npz" for all of it, see `Trajectory.load`, ".csv" a row per sample.
+    """Write a deployment in the format of the suffix: ".npz" for all data (`Trajectory.load`), ".csv" for the samples.
 
-    Columns of the table name quantity, unit and joint, as in "angle_rad_1"; energies are "kinetic_J" and the like.
+    CSV columns name quantity, unit and joint, as in "angle_rad_1"; energies have names such as "kinetic_J".
     """
     check_target(path, SUFFIXES)
     if path.suffix.lower() == ".npz":
@@ -43,7 +43,7 @@ def write_data(trajectory: Trajectory, path: Path) -> None:
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
-    """Write a CSV file of columns (n,) by their names, with as many digits as the numbers have."""
+    """Write named columns (n,) to a CSV file, with all digits of the numbers."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)

@@ -1,4 +1,4 @@
-"""Simulating a deployment of the array as a whole: parameters and model level in, trajectory out."""
+"""Simulation of a whole deployment, from array parameters and a model level to a trajectory."""
 
 from collections.abc import Callable, Mapping
 
@@ -34,24 +34,24 @@ def simulate(
         parameters: a parameter set, or changes by name to the preset.
         preset: name of a parameter set, see `ArrayParameters.preset`.
         model: level of the model, such as "flexible-clearance:8 modes", see `ModelLevel`.
-        duration: [s].
-        integrator, rtol: settings of a method, such as `RungeKutta(rtol=1e-8)`, or its name, such as "rosenbrock", and
-            its local error tolerance, see `array.methods.make_integrator`.
+        duration: simulated time [s].
+        integrator, rtol: settings of a method, such as `RungeKutta(rtol=1e-8)`; or the name of a method, such as
+            "rosenbrock", with a local error tolerance; see `array.methods.make_integrator`.
         output_step: time between samples [s]; independent of the integration step.
-        progress: called with the simulated time [s] now and then; the result does not depend on it.
+        progress: function that is called now and then with the simulated time [s], without effect on the result.
 
     Returns:
-        The trajectory. With flexible panels and the explicit integrator, look at `stability_bound_steps` among its
-        metadata: where they are many, the stability of the method on the panels' axial vibration sets the cost of the
-        run, and a looser tolerance does not make it cheaper.
+        The trajectory. With flexible panels and the explicit integrator, its metadata count `stability_bound_steps`.
+        If these steps are many, numerical stability for the panels' axial vibration limits the step size, and a looser
+        tolerance does not make the run cheaper.
 
     Raises:
         ValueError: for an unknown name or a refused value, or if arguments contradict each other.
         SimulationError: if the run cannot go on.
 
     Warns:
-        SimulationWarning: if the result is less accurate than it looks, see `Simulation.check`; or if the contact law
-            does not give the restitution that is asked for.
+        SimulationWarning: if the result may be inaccurate, see `Simulation.check`; or if the contact law does not
+            reproduce the given restitution.
     """
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters.preset(preset).with_changes(parameters or {})
@@ -71,7 +71,7 @@ def simulate(
 
 
 def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
-    """Return the array of a deployment, and the compiled model that its coordinates belong to, from the metadata."""
+    """Return the array parameters of a deployment, and the model arrays for its coordinates, from its metadata."""
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
     mechanism = build(parameters, details["model"])
@@ -79,22 +79,22 @@ def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
 
 
 def hub_place(parameters: ArrayParameters, model: ModelArrays, q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the (nt, 3) place of the centroid [m] and angle of the hub [rad], between -pi and pi."""
+    """Return the hub's centroid position [m] and its angle [rad], between -pi and pi, as columns (nt, 3)."""
     centroid, along, _ = main_body_frame(parameters, centreline(model, q, 0))
     return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
 
 
 def hub_turn(trajectory: Trajectory) -> NDArray[np.float64]:
-    """Compute the angle by which the main body has turned since the first sample, (nt,) [rad]."""
+    """Compute the main body's rotation angle since the first sample, at every sample (nt,) [rad]."""
     angle = np.unwrap(hub_place(*compiled(trajectory), trajectory.coordinates)[:, 2])
     return np.asarray(angle - angle[0])
 
 
 def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
-    """Compute the deflection of every panel's middle from the chord between its ends, at the samples of a deployment.
+    """Compute how far the middle of every panel lies off the chord between the panel's ends, at every sample.
 
     Returns:
-        (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip.
+        Deflections (nt, panels) [m]; positive to the left, seen from the inner hinge towards the tip.
     """
     parameters, model = compiled(trajectory)
     deflections = []

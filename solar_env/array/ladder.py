@@ -1,4 +1,4 @@
-"""The ladder of model levels: its questions, and the cheapest level that answers one to a tolerance.
+"""The ladder of model levels: the questions that levels answer, and the cheapest level for a question and tolerance.
 
 Errors and costs of the levels are read from a table that `solar-env ladder` measured.
 """
@@ -23,20 +23,20 @@ QUESTIONS = {
     "controller-ranking": "which of two controllers is softer by peak force and by sliding work; errors are shares of "
     "pairs in the wrong order",
 }
-_ROUNDING = 1.0 + 1e-9  # factor on a tolerance, since a share of pairs may equal it up to rounding
-_LARGEST_TOLERANCE = 10.0  # a greater tolerance was meant in per cent
+_ROUNDING = 1.0 + 1e-9  # factor on a tolerance, since a fraction of pairs may equal the tolerance up to rounding
+_LARGEST_TOLERANCE = 10.0  # largest tolerance accepted; a greater one was meant in per cent
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Error and cost of one level, a word as `ModelLevel.of` takes it, for one of the QUESTIONS.
+    """Error and cost of one model level, named as `ModelLevel.of` takes it, for one of the QUESTIONS.
 
     Attributes:
-        error: relative error of the mean over an ensemble, against a reference that is finer than all levels; with
-            several joints, of the worst one.
-        half_width: half the width of the 95 % sampling band of the error.
+        error: relative error of an ensemble's mean against a reference that is finer than all levels; the error of the
+            worst joint if there are several joints.
+        half_width: half the width of the error's 95 % sampling band.
         cost_ratio: wall time divided by the wall time of the reference, measured side by side.
-        evaluations: evaluations of the right-hand side, mean over the members of the ensemble.
+        evaluations: mean number of right-hand side evaluations per member of the ensemble.
     """
 
     question: str
@@ -54,10 +54,10 @@ class Answer:
 
 
 def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
-    """Read the table of the package, or another one that `solar-env ladder` wrote.
+    """Read the packaged table of answers, or another table that `solar-env ladder` wrote.
 
     Raises:
-        ValueError: if the file cannot be read or is not such a table.
+        ValueError: if the file cannot be read or is not a table of answers.
     """
     kinds = get_type_hints(Answer)
     try:
@@ -72,7 +72,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """Return the levels that `cheapest` can choose, finest first; each serves tolerances up to the next `bound`."""
+    """Return the answers that `cheapest` can choose, finest first; each serves tolerances below the next `bound`."""
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
         if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
@@ -81,11 +81,11 @@ def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
 
 
 def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answer:
-    """Return the answer of the cheapest level whose error, sampling included, is within a tolerance.
+    """Return the answer of the cheapest level whose error, including its sampling band, is within a tolerance.
 
     Raises:
         ValueError: if the question is unknown or was not measured, the tolerance is no positive finite number, or no
-            level is within it.
+            level is accurate enough.
     """
     check_name("question", question, QUESTIONS)
     check_positive("tolerance", tolerance)
@@ -106,5 +106,5 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
 
 
 def cheapest_level(question: str, tolerance: float) -> str:
-    """Return the cheapest level of the model that answers a question to a relative tolerance, as `model=` takes it."""
+    """Return the name of the cheapest model level that answers a question within a relative tolerance, for `model=`."""
     return cheapest(read_answers(), question, tolerance).level

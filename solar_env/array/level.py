@@ -1,4 +1,4 @@
-"""The level of the model as a word: panels rigid or flexible and how fine, joints ideal or with clearance."""
+"""Model levels and their names: panels are rigid or flexible with some fineness, joints are ideal or have clearance."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from solar_env.mechanics.bodies.description import AnyBody, Body, FlexibleBody, 
 from solar_env.support.values import unknown_name
 
 RIGID, FLEXIBLE, IDEAL, CLEARANCE = "rigid", "flexible", "ideal", "clearance"
-# The levels without a count: rigid panels, or flexible ones of DEFAULT_MODES modes.
+# Names of levels without a count: rigid panels, or flexible panels with DEFAULT_MODES modes.
 MODELS = tuple(f"{panels}-{joints}" for panels in (RIGID, FLEXIBLE) for joints in (IDEAL, CLEARANCE))
 MODES, ELEMENTS = "modes", "elements"
 DEFAULT_MODES = 32
@@ -20,17 +20,17 @@ _WORD = re.compile(r"(?P<name>[^:]+)(: *(?P<count>\d+) (?P<unit>mode|element)s?)
 
 @dataclass(frozen=True)
 class ModelLevel:
-    """A level of the model; as a word "rigid-clearance", "flexible-ideal:6 elements" or "flexible-clearance:8 modes".
+    """A level of the model, named like "rigid-clearance", "flexible-ideal:6 elements" or "flexible-clearance:8 modes".
 
     Attributes:
         panels: "rigid" or "flexible".
         joints: "ideal" or "clearance".
-        unit: parts of flexible panels: "modes", bending modes in a floating frame, or "elements", cable elements of
-            the absolute nodal coordinate formulation; "" for rigid panels.
+        unit: discretisation of flexible panels: "modes" for bending modes in a floating frame, "elements" for cable
+            elements of the absolute nodal coordinate formulation; "" for rigid panels.
         count: number of modes or elements in each panel; 0 for rigid panels.
 
     Raises:
-        ValueError: on construction, if the panels refuse the count.
+        ValueError: on construction, if the panels cannot have this count.
     """
 
     panels: str
@@ -45,7 +45,7 @@ class ModelLevel:
 
     @classmethod
     def of(cls, word: str | Self) -> Self:
-        """Return the level that a word names; an unknown word raises a ValueError that names similar words."""
+        """Return the level with a given name; an unknown name raises a ValueError that suggests similar names."""
         if isinstance(word, cls):
             return word
         found = _WORD.fullmatch(word) if isinstance(word, str) else None
@@ -62,7 +62,7 @@ class ModelLevel:
 
     @property
     def name(self) -> str:
-        """The word without the panels' fineness, one of MODELS."""
+        """Name of the level without the panels' fineness, one of MODELS."""
         return f"{self.panels}-{self.joints}"
 
     @property
@@ -86,11 +86,11 @@ class ModelLevel:
         return f"{self.count} {self.unit[:-1] if self.count == 1 else self.unit}" if self.unit else RIGID
 
     def __str__(self) -> str:
-        """Return the shortest word of the level."""
+        """Return the shortest name of the level, without the default fineness."""
         return self.name if self.size in (RIGID, f"{DEFAULT_MODES} {MODES}") else f"{self.name}:{self.size}"
 
     def body(self, panel: PanelRow, name: str, motion: dict[str, Any]) -> AnyBody:
-        """Return the body of a panel; `motion` at t = 0 holds keywords of the body's description."""
+        """Describe a panel as a body of this level; `motion` holds keywords for the body's motion at t = 0."""
         if not self.flexible:
             return Body(name, panel.mass, panel.inertia, panel.length, (panel.centroid, 0.0), **motion)
         elastic = panel.axial_stiffness, panel.bending_stiffness, panel.damping

@@ -1,4 +1,4 @@
-"""The integrator of a deployment: by name, or the default of the model's level; and whether it is compiled already."""
+"""The integrator of a deployment, by name or by default for a model level, and whether its kernels are compiled."""
 
 import sys
 from collections.abc import Iterable
@@ -17,16 +17,16 @@ from solar_env.mechanics.integrators.settings import (
 )
 
 PAPER = "paper"
-# Names on the command line: every method, and the paper's choice of one.
+# Names of integrators on the command line: every method, and "paper" for the method with the paper's settings.
 INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 
 
 def default_integrator(model: str | ModelLevel) -> RungeKutta:
-    """Return the default integrator of a level of the model.
+    """Return the default integrator of a model level.
 
-    Panels of beam elements get a linearly implicit method, because their stiff vibrations would bound explicit steps;
-    modal panels get `ModalRadau`. The tolerances come from measured errors: angles, latch times and statistics of
-    impacts (`solar-env study precision`).
+    Panels of beam elements get a linearly implicit method, because their stiff vibrations would limit explicit steps.
+    Modal panels get `ModalRadau`. The tolerances follow from measured errors in angles, latch times and impact
+    statistics (`solar-env study precision`).
     """
     level = ModelLevel.of(model)
     if level.modal:
@@ -42,14 +42,14 @@ def make_integrator(
     step: float | None = None,
     rtol: float | None = None,
 ) -> Integrator:
-    """Return the method that a user has given by name or by settings, otherwise the default of the level.
+    """Return the integrator that a user chooses by name or by settings, or the default of the model level.
 
     Args:
         integrator: settings, None, or a name ("runge-kutta", "rosenbrock" and "modal-radau" adapt their steps, which
             `step` bounds; "generalized-alpha", rho_inf = 0.8, takes a fixed `step`, 1e-4 s by default) or "paper"
             (generalized-alpha with beta = 1/4, gamma = 1/2).
         model: level of the model.
-        step: [s].
+        step: fixed step, or bound on adaptive steps [s].
         rtol: local error tolerance.
 
     Raises:
@@ -85,20 +85,20 @@ def make_integrator(
 
 
 def kernels_are_compiled(integrator: str) -> bool:
-    """Return whether the cache holds an integrator's kernels for these very sources, or compilation is switched off."""
+    """Return whether the cache has an integrator's kernels for the present sources, or compilation is switched off."""
     import numba
 
     return bool(numba.config.DISABLE_JIT) or _mark(integrator).exists()
 
 
 def compilation_note(integrators: Iterable[str]) -> str:
-    """Return a remark that the kernels of some integrators are compiled first; empty if all are compiled already."""
+    """Return a remark that kernels of the integrators will be compiled first; empty if all are compiled already."""
     return "" if all(map(kernels_are_compiled, integrators)) else " (compiles kernels first: minutes, this time alone)"
 
 
 @cache
 def announce_compilation(integrator: str) -> None:
-    """Say on standard error, once a process, that kernels are going to be compiled."""
+    """Print once per process, on standard error, that an integrator's kernels are going to be compiled."""
     if not kernels_are_compiled(integrator):
         told = f"solar_env compiles the kernels of {integrator}: about two minutes, this once; later runs load them"
         print(told, file=sys.stderr, flush=True)
@@ -106,7 +106,7 @@ def announce_compilation(integrator: str) -> None:
 
 @cache
 def mark_compiled(integrator: str) -> None:
-    """Remember that an integrator has run, so that its kernels lie in the cache."""
+    """Mark the kernels of an integrator that has run as compiled, by a file beside the cached kernels."""
     _mark(integrator).touch()
 
 

@@ -1,7 +1,7 @@
-"""Motorization: the ratio of driving to resisting torque of each hinge, before anything is run.
+"""Motorization: the ratio of driving to resisting torque of each hinge, computed without a simulation.
 
 ECSS-E-ST-33-01C Rev. 2 (2019), clause 4.7.5.3, asks for an actuation torque of twice the sum of a mechanism's
-resistances. Each resistance counts times an uncertainty factor, which is smaller for a measured resistance.
+resistances. An uncertainty factor multiplies each resistance; the factor is smaller for a measured resistance.
 """
 
 from collections.abc import Mapping
@@ -19,21 +19,21 @@ from solar_env.support.values import check_name, check_positive
 Array = NDArray[np.float64]
 
 MARGIN = 2.0
-# Uncertainty factors of resistances that have not been measured (table 4-2 there); measured friction and measured
-# harness torques have 1.5.
+# Uncertainty factors of resistances that have not been measured (table 4-2 of the standard); measured friction and
+# measured harness torques have a factor of 1.5.
 FACTORS: Mapping[str, float] = {"spring": 1.2, "friction": 3.0, "harness": 3.0, "damper": 3.0, "weight": 1.1}
 _ANGLES = 201  # number of angles at which torques are compared
-UNHURRIED = 60.0  # s, duration of a steady opening, at whose rate the damper's torque is counted
+UNHURRIED = 60.0  # s, duration of a steady opening, whose rate gives the damper's torque
 
 
 @dataclass(frozen=True)
 class Motorization:
-    """Torques of one hinge over its opening, or of all hinges that cable loops hold together.
+    """Torques of one hinge by joint angle, or summed torques of all hinges that cable loops couple.
 
     Attributes:
-        name: of the joint.
-        angles: from the folded position to the lock [rad].
-        driving: torque of spring and harness where it opens [N m].
+        name: name of the joint.
+        angles: joint angles from the folded position to the lock [rad].
+        driving: sum of the opening torques of spring, harness and weight [N m].
         resisting: sum of the resistances [N m].
         asked: driving torque for which the standard asks [N m].
     """
@@ -46,7 +46,7 @@ class Motorization:
 
     @property
     def ratio(self) -> tuple[float, float]:
-        """Least ratio of the driving torque to the torque asked for, and the angle at which it occurs [rad]."""
+        """Least ratio of the driving torque to the torque asked for, and the joint angle at this minimum [rad]."""
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.where(self.asked > 0.0, self.driving / self.asked, np.inf)
         worst = int(np.argmin(ratios))
@@ -59,7 +59,7 @@ class Motorization:
         return float(self.angles[np.argmax(stalled)]) if stalled.any() else None
 
     def __str__(self) -> str:
-        """State the finding in a sentence."""
+        """State in a sentence where the hinge stalls, or its least torque ratio."""
         ratio, angle = self.ratio
         if self.stalls_at is not None:
             return f"{self.name} has no torque left from {self.stalls_at:.3g} rad on"
@@ -69,10 +69,10 @@ class Motorization:
 
 
 def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None = None) -> tuple[Motorization, ...]:
-    """Compare driving and resisting torques of every hinge, and of all together where cable loops share them.
+    """Compare driving and resisting torques of every hinge, and of each whole wing if cable loops couple its hinges.
 
     Args:
-        parameters: of the array. The motor does not count, nor the journals' friction, which has no load yet.
+        parameters: array parameters. The motor does not count, nor the friction of the journals, still unloaded.
         factors: changes to FACTORS.
 
     Raises:
@@ -89,13 +89,13 @@ def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None 
 
 
 def weakest(parameters: ArrayParameters, ranges: Ranges) -> ArrayParameters:
-    """Return the array at those ends of its ranges at which springs are weakest and resistances greatest."""
+    """Return the array with the weakest springs and the greatest resistances that the ranges allow."""
     ends = {"spring_stiffness": 0, "spring_preload_angle": 0, "hinge_damping": 1, "hinge_friction_torque": 1}
     return parameters.with_changes({name: ranges[name][end] for name, end in ends.items() if name in ranges})
 
 
 def slowest_damper(parameters: ArrayParameters, duration: float) -> float:
-    """Compute the damping [N m s/rad] with which the mean torque of the weakest hinge opens it within a duration [s].
+    """Compute the damping [N m s/rad] with which the weakest hinge, by its mean torque, opens within a duration [s].
 
     Raises:
         ValueError: a hinge has no torque.
@@ -128,13 +128,13 @@ def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) ->
 
 
 def _weight(p: ArrayParameters, joint: int) -> Array:
-    """Compute the (angles,) torque [N m] on a joint of the weight that hangers leave, while all joints open in step."""
+    """Compute the torque (angles,) [N m] on a joint from weight that hangers do not carry; all joints open in step."""
     opened = np.array([row.sign * (np.linspace(0.0, row.lock_angle, _ANGLES) - row.fold_angle) for row in p.joints])
     turned = np.concatenate([np.cumsum(wing, axis=0) for wing in np.split(opened, p.wings)])
-    turned[p.panel_count :] += np.pi  # a mirrored wing begins at the other side
+    turned[p.panel_count :] += np.pi  # a mirrored wing begins at the main body's other side
     panels, gravity = [p.panel(row.index) for row in p.joints], complex(*p.unsupported_gravity)
     torque = np.zeros(_ANGLES)
-    place = np.zeros(_ANGLES, dtype=complex)  # of the panel's inner end, from the joint
+    place = np.zeros(_ANGLES, dtype=complex)  # position of the panel's inner end relative to the joint
     last = (joint // p.panel_count + 1) * p.panel_count
     for panel, angle in zip(panels[joint:last], turned[joint:last], strict=True):
         along = panel.length * np.exp(1j * angle)
@@ -152,7 +152,7 @@ def _tabulated(table: tuple[tuple[float, float], ...], angles: Array) -> Array:
 
 
 def _together(hinges: tuple[Motorization, ...]) -> Motorization:
-    """Add up all hinges at the first hinge's angle: cable loops keep the angles in the ratio of the lock angles."""
+    """Add up the torques of coupled hinges at the first hinge's angle; angles stay in the ratio of the lock angles."""
     first = hinges[0].angles
     total = [
         sum(getattr(hinge, name) * (hinge.angles[-1] / first[-1]) for hinge in hinges)

@@ -1,4 +1,4 @@
-"""Command lines from documented dataclasses, by tyro, and the options that several commands have."""
+"""Command-line parsing into documented dataclasses by tyro, and options that several commands share."""
 
 import ast
 import contextlib
@@ -36,14 +36,14 @@ class QuietOption:
 
 @dataclasses.dataclass
 class CommandRecord:
-    """The command as it was typed, for the record in the files that it writes."""
+    """The command line as typed, which a command records in the files that it writes."""
 
     command: Annotated[str, tyro.conf.Suppress] = ""
 
 
 @dataclasses.dataclass
 class WorkerOptions(QuietOption):
-    """Processes that a command runs on, and its progress bars."""
+    """Options for the number of processes of a command, and for its progress bars."""
 
     jobs: int | None = None
     """processes; by default one for each processor"""
@@ -62,7 +62,7 @@ class WorkerOptions(QuietOption):
 
 @dataclasses.dataclass
 class ArrayOption:
-    """The array that a command is about."""
+    """Option that names the array for a command."""
 
     array: Annotated[str, tyro.conf.Positional] = "default"
     """default or paper: the array of Li, Wang and Huang (2019), with our choices or the paper's; cubesat-6u, apple (two
@@ -71,7 +71,7 @@ class ArrayOption:
 
     @property
     def parameter_file(self) -> ParameterFile:
-        """Parameters and their ranges; `array` without a suffix is the name of an array.
+        """Parameters and ranges of the array: from a file if `array` has a suffix, otherwise of the named array.
 
         Raises:
             ValueError, OSError: No array has this name, or the file cannot be read, or is refused.
@@ -84,18 +84,18 @@ class FolderOptions:
     """Folders in which a study writes its tables and figures."""
 
     out: Path | None = None
-    """folder of all files; by default one of the study's name here"""
+    """folder of all files; by default a folder named after the study, in the working directory"""
     readme: bool = False
-    """write into the page of the study instead"""
+    """write into the study's page in the package instead"""
     draw: bool = False
     """measure nothing, draw the figures from the tables again"""
 
     def folders(self, name: str, tables: Path | None = None, figures: Path | None = None) -> tuple[Path, Path]:
-        """Return the folders of tables and of figures, which are made; a folder to draw from must exist already.
+        """Make and return the folders of tables and of figures; with `draw` the tables' folder must already exist.
 
         Args:
             name: name of the folder if `out` is None.
-            tables, figures: folders of the page, where the page has any.
+            tables, figures: folders of the study's page, if the page has such folders.
 
         Raises:
             ValueError: if both a folder and the page are asked for.
@@ -119,7 +119,7 @@ def parse_assignments(pairs: Sequence[str]) -> dict[str, object]:
     `rigid-ideal` is a string.
 
     Raises:
-        ValueError: A pair has no key or no value, repeats a key, or has a value that is neither.
+        ValueError: A pair has no key or no value, repeats a key, or has a value that is neither literal nor word.
     """
     result: dict[str, object] = {}
     for pair in pairs:
@@ -153,10 +153,10 @@ Assignments = Annotated[dict[str, object], _PAIRS]
 
 
 def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None = None) -> Arguments:
-    """Fill the dataclass `cls` from `argv`, the words behind the command `prog`.
+    """Parse `argv`, the words after the command `prog`, into the dataclass `cls`.
 
-    Field `env_id` becomes `--env-id`, its help is the string literal below it; a bool becomes a flag, a list takes any
-    number of values, `Assignments` take `key=value` pairs. Wrong input ends the process with one sentence and status 2.
+    A field `env_id` becomes `--env-id`, with the string below the field as help. A bool becomes a flag, a list takes
+    any number of values, `Assignments` take `key=value` pairs. Wrong input prints one sentence and exits with status 2.
     """
     report = io.StringIO(_senseless(cls, argv))
     try:
@@ -175,7 +175,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
 
 
 def _senseless(cls: type, argv: Sequence[str]) -> str:
-    """Return an error for input that tyro accepts: an empty word, as of an unset shell variable, or pairs it drops."""
+    """Return an error for wrong input that tyro accepts: empty words, as of unset variables, or a repeated option."""
     hints = get_type_hints(cls, include_extras=True)
     pairs = {f"--{name.replace('_', '-')}" for name, kind in hints.items() if kind == Assignments}
     options = [word.partition("=")[0] for word in argv if word.startswith("--")]
@@ -186,7 +186,7 @@ def _senseless(cls: type, argv: Sequence[str]) -> str:
 
 
 def _first_sentence(report: str) -> str:
-    """Return the first paragraph of tyro's report, without its title and box; on some terminals the box is ASCII."""
+    """Return the first paragraph of tyro's error report, without the title and the box (of Unicode or ASCII lines)."""
     lines = [line.strip("│╭╮╰╯ ") for line in report.splitlines()[1:]]
     text = "\n".join("" if set(line) <= set("─-") else line for line in lines)
     return " ".join(text.strip().split("\n\n")[0].split()).rstrip(".")

@@ -1,4 +1,4 @@
-"""`solar-env design`: values of some parameters that make a figure least."""
+"""`solar-env design`: a search for values of some parameters that minimise a figure of the deployment."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -20,26 +20,26 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
     """
 
     change: list[str] = field(default_factory=lambda: ["hinge_damping", "latch_damping"])
-    """parameters, each with its range or without: hinge_damping=0,5 latch_damping; of one that differs from joint to
-    joint the range is one of factors"""
+    """parameters to change, each with a range or without one: hinge_damping=0,5 latch_damping; for a parameter that
+    differs from joint to joint, the range multiplies the values"""
     keep: list[str] = field(default_factory=lambda: ["latch_time < 60"])
-    """what must hold, for example "latch_time < 30" "peak_force < 300" """
+    """conditions that a design must meet, for example "latch_time < 30" "peak_force < 300" """
     least: str = "latch_torque"
-    """quantity that is to be least: latch_time, latch_rate, latch_torque, peak_force, peak_torque (which bends the
-    panel's root), impulse, impact_count, impact_speed_max, sliding_work, wear_depth; of the hub hub_excursion (greatest
-    turn), hub_turn (at the end, either way), hub_force, hub_torque, hub_acceleration"""
+    """quantity to minimise: latch_time, latch_rate, latch_torque, peak_force, peak_torque (bends the panel's root),
+    impulse, impact_count, impact_speed_max, sliding_work, wear_depth; of the hub: hub_excursion (greatest turn),
+    hub_turn (at the end, either way), hub_force, hub_torque, hub_acceleration"""
     points: int = 49
-    """designs that are tried"""
+    """number of designs to try"""
     runs: int = 2
-    """deployments that a design is judged by"""
+    """deployments that judge a design"""
     seed: int = 0
-    """of a search"""
+    """seed of the search"""
     out: Path = Path("design")
-    """folder of table, picture and runs, with which an interrupted study goes on"""
+    """folder of table, picture and runs; an interrupted study continues from the runs"""
 
 
 def run_command(args: Args) -> int:
-    """Find the design, print it, write the table and draw it."""
+    """Find the best design, print the answer, write the table of designs and draw the picture."""
     from solar_env.array import default_integrator
     from solar_env.commands.warmup import warm_up
     from solar_env.studies.common.tables import provenance, write_table
@@ -66,6 +66,6 @@ def run_command(args: Args) -> int:
 
 
 def ranges(words: Sequence[str]) -> dict[str, object]:
-    """Turn words such as "latch_damping" and "hinge_damping=0,5" into ranges by name; None where no range is given."""
+    """Turn words such as "latch_damping" and "hinge_damping=0,5" into ranges by name; None for a missing range."""
     given = parse_assignments([word for word in words if "=" in word])
     return {**dict.fromkeys(word.strip() for word in words if "=" not in word), **given}

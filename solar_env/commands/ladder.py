@@ -1,4 +1,4 @@
-"""`solar-env ladder`: the cheapest model level that answers a question, measured."""
+"""`solar-env ladder`: measurements of model levels, and the cheapest level that answers a question."""
 
 import math
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ class Args(FolderOptions, QuietOption):
     The figure and the levels chosen go into the page of the study.
     """
 
-    ask: Annotated[str | None, tyro.conf.arg(help=f"measure nothing, tell of one: {', '.join(QUESTIONS)}")] = None
+    ask: Annotated[str | None, tyro.conf.arg(help=f"name the cheapest level for one of: {', '.join(QUESTIONS)}")] = None
     tolerance: float = 0.2
-    """of what is asked, as a share"""
+    """greatest error of that quantity, as a fraction"""
 
 
 def run_command(args: Args) -> int:
@@ -55,18 +55,21 @@ def run_command(args: Args) -> int:
 
 
 def choices(answers: tuple[Answer, ...]) -> str:
-    """Make a table in Markdown of the cheapest level for every question, with the tolerance from which it answers.
+    """Make a table in Markdown of the levels, cheapest first, with the tolerance down to which each answers a question.
 
-    Tolerances are the errors of the levels, sampling included, rounded up to two digits. Levels whose error may be as
-    large as the answer are left out.
+    Tolerances are the errors of the levels, sampling included, rounded up to two digits. A cell is empty where another
+    level answers at less cost, and where the error may be as large as the answer.
     """
-    rows = []
+    told: dict[str, dict[str, Answer]] = {}
     for question in QUESTIONS:
-        telling = [answer for answer in reversed(steps(answers, question)) if answer.bound < 1.0]
-        for count, answer in enumerate(telling):
-            named = "" if count else question
-            rows.append((named, _percent(answer.bound), f"`{answer.level}`", f"{answer.cost_ratio:.2g}"))
-    return markdown_table(("question", "tolerance", "cheapest level", "wall time over the reference's"), rows)
+        for answer in steps(answers, question):
+            if answer.bound < 1.0:
+                told.setdefault(answer.level, {})[question] = answer
+    rows = []
+    for level, found in sorted(told.items(), key=lambda item: max(answer.cost_ratio for answer in item[1].values())):
+        cells = (_percent(found[question].bound) if question in found else "" for question in QUESTIONS)
+        rows.append((f"`{level}`", f"{next(iter(found.values())).cost_ratio:.2g}", *cells))
+    return markdown_table(("level", "wall time / reference's", *QUESTIONS), rows)
 
 
 def _percent(tolerance: float) -> str:

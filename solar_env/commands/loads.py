@@ -21,27 +21,28 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
     model, and at the finest one.
     """
 
-    model: str = "flexible-clearance"
-    """level of the model; solar-env ladder --ask tells of others"""
+    model: str | None = None
+    """level of the model, by default flexible-clearance, of 6 elements where panels have fittings; solar-env ladder
+    --ask tells of others"""
     runs: int = 16
-    """deployments at each of the two levels; 0 tells motorization and frequencies alone"""
+    """deployments at each of the two levels; 0 prints motorization and frequencies alone"""
     window: float = 10.0
     """time simulated after the last latching [s]"""
     deadline: float = 60.0
     """time by which all joints must have latched [s]"""
     factors: Assignments = field(default_factory=dict)
-    """uncertainty factors of the resistances in hinges, by default ECSS-E-ST-33-01C's for what was not measured, for
-    example harness=1.5 friction=1.5"""
+    """uncertainty factors of the resistances in hinges, by default those of ECSS-E-ST-33-01C for unmeasured values;
+    for example harness=1.5 friction=1.5"""
     html: Path | None = None
     """write a page with everything, which needs no network"""
     hub: Path | None = None
-    """write force and torque on the hub over time, as .csv"""
+    """write force and torque on the hub at all times (.csv)"""
     out: Path = Path("loads")
-    """folder of the runs, with which an interrupted ensemble goes on"""
+    """folder of the runs, from which an interrupted ensemble continues"""
 
 
 def run_command(args: Args) -> int:
-    """Run the ensemble, print the answer and the tables, and write the files asked for."""
+    """Run the ensemble, print the loads and their tables, and write the requested files."""
     from solar_env.studies.loads.ensemble import LoadsPlan, check_latching, measure_loads
     from solar_env.studies.loads.hub import write_hub_loads
     from solar_env.studies.loads.page import loads_page
@@ -57,7 +58,8 @@ def run_command(args: Args) -> int:
         for line in statics(array, args.factors):
             wide_console().print(line, highlight=False)
         return 0
-    plan, workers = LoadsPlan(array, args.model, args.runs, args.window, args.deadline), args.workers
+    fitted = "flexible-clearance:6 elements" if array.parameters.panel_masses else "flexible-clearance"
+    plan, workers = LoadsPlan(array, args.model or fitted, args.runs, args.window, args.deadline), args.workers
     for level in plan.levels:
         build(array.parameters, level.model)  # refuses wrong input before anything is compiled
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):

@@ -1,4 +1,4 @@
-"""`solar-env parameters`: a complete file of parameters, each explained."""
+"""`solar-env parameters`: a complete parameter file that explains each parameter."""
 
 from dataclasses import dataclass
 from typing import Annotated

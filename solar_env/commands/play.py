@@ -13,7 +13,7 @@ from solar_env.pictures.style import BLUE, FAINT
 
 BAR = 64  # height below the frame [pixels], for the torque and a line of text
 _MARGIN = 24
-_STEPS = 20  # strokes of a key from no torque to the limit
+_STEPS = 20  # number of key strokes from zero torque to the limit
 
 
 @dataclass
@@ -28,24 +28,24 @@ class Args:
     model: str = "flexible-clearance"
     """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance"""
     seed: int = 0
-    """of the first episode"""
+    """seed of the first episode"""
     env_kwargs: Assignments = field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3"""
 
 
 class Player:
-    """An episode in a window; `press` takes a key, `tick` goes on by a control period, `draw` shows the state.
+    """An episode played in a window: `press` handles a key, `tick` advances a control period, `draw` shows the state.
 
     Attributes:
-        torque: motor torque in units of the limit, -1 to 1.
+        torque: motor torque divided by the limit, -1 to 1.
         paused: true while `tick` does nothing.
-        running: False once the window is to close.
+        running: false once the window should close.
         score: sum of the rewards so far.
         ended: true once the episode has ended.
     """
 
     def __init__(self, env: Any, seed: int) -> None:
-        # Start display and fonts alone: sound, for example, complains at length where there is no device.
+        # Start only display and fonts: pygame's sound, for example, prints long complaints without a sound device.
         self._game = pygame = open_display()
         pygame.font.init()
         self._env, self._seed, self.running = env, seed, True
@@ -61,7 +61,7 @@ class Player:
         self._frame = self._env.render()
 
     def press(self, key: int) -> None:
-        """React to a key."""
+        """Change the torque, or pause, restart or end the game, by a pygame key."""
         game = self._game
         if key in (game.K_LEFT, game.K_RIGHT):
             change = (1.0 if key == game.K_RIGHT else -1.0) / _STEPS
@@ -76,7 +76,7 @@ class Player:
             self.running = False
 
     def tick(self) -> None:
-        """Go on by a control period, unless paused or at the end."""
+        """Advance the episode by one control period, unless the episode is paused or has ended."""
         if self.paused or self.ended:
             return
         _, reward, self.ended, _, _ = self._env.step(np.array([self.torque], dtype=np.float32))
@@ -85,7 +85,7 @@ class Player:
         self._frame = self._env.render()
 
     def draw(self) -> None:
-        """Show the present state, the torque and the score."""
+        """Draw the window with the array's present state, the motor torque and the score."""
         game, window, (height, width) = self._game, self._window, self._frame.shape[:2]
         window.fill(CARD)
         window.blit(game.surfarray.make_surface(self._frame.swapaxes(0, 1)), (0, 0))
@@ -102,7 +102,7 @@ class Player:
 
 
 def run_command(args: Args) -> int:
-    """Open the window and play until it is closed."""
+    """Open the window, play until the window is closed, and print the score."""
     try:
         import pygame
     except ImportError as error:

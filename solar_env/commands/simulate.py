@@ -29,8 +29,8 @@ class Args(ArrayOption, QuietOption):
     """Simulate one deployment, of the nominal array."""
 
     model: str = "rigid-clearance"
-    """its level: rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance, as it is or with the fineness of
-    the panels: "flexible-clearance:8 modes", "flexible-ideal:6 elements"; ladder --ask tells the cheapest one"""
+    """level of the model: rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance, alone or with a number of
+    modes or elements: "flexible-clearance:8 modes", "flexible-ideal:6 elements"; ladder --ask names the cheapest"""
     duration: float = 30.0
     """simulated time [s]"""
     set: Assignments = field(default_factory=dict)
@@ -41,7 +41,7 @@ class Args(ArrayOption, QuietOption):
     rtol: float | None = None
     """local error tolerance"""
     output_step: float = 0.01
-    """distance of the samples [s]"""
+    """time between two samples [s]"""
     plot: Path | None = None
     """write a figure (png, svg or pdf)"""
     out: Path | None = None
@@ -51,7 +51,7 @@ class Args(ArrayOption, QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Simulate a deployment, report it, and write the files asked for."""
+    """Simulate a deployment, print a summary, and write the requested files."""
     # Refuse wrong input before anything is compiled.
     from solar_env.array import data_files
 

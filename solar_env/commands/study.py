@@ -1,7 +1,7 @@
-"""`solar-env study`: measure a study of the pages again, and draw it from what was measured.
+"""`solar-env study`: repeat a study on the documentation pages, and draw the figures of the study.
 
-A study is a module with a function `run(args) -> int` and `OPTIONS`, the fields of `Args` that it takes beside `name`
-and `quiet`, and a row of `[project.entry-points."solar_env.studies"]` in pyproject.toml.
+A study is a module with a function `run(args) -> int` and with `OPTIONS`, which names the fields of `Args` that the
+study takes beside `name` and `quiet`. `[project.entry-points."solar_env.studies"]` in pyproject.toml lists the studies.
 """
 
 from collections.abc import Iterable
@@ -23,12 +23,12 @@ class Args(FolderOptions, WorkerOptions, CommandRecord):
 
     name: Annotated[str, tyro.conf.Positional, tyro.conf.arg(help=_NAMES)] = ""
     only: list[str] = field(default_factory=list)
-    """these parts of the study; a name that is none lists them"""
+    """parts of the study to run; an unknown name lists all parts"""
     quick: bool = False
     """fewer and shorter runs"""
 
     def parts(self, known: Iterable[str]) -> list[str]:
-        """Return the parts asked for, or all known parts.
+        """Return the parts of the study named by `--only`, or all known parts.
 
         Raises:
             ValueError: if a part is not known; the message names the closest known parts.
@@ -40,7 +40,7 @@ class Args(FolderOptions, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Run the study, which must take the options that are given."""
+    """Run the named study; an option that the study does not take raises a ValueError."""
     study = table.load(table.STUDIES, args.name)
     usual = Args(name=args.name, quiet=args.quiet, command=args.command)
     for option, value in vars(args).items():

@@ -1,4 +1,4 @@
-"""Tables of commands and of studies: names of modules in `[project.entry-points]`, of this package and of others."""
+"""Lookup of commands and studies among the `[project.entry-points]` of this package and of other packages."""
 
 import importlib
 import tomllib
@@ -14,7 +14,7 @@ STUDIES = "solar_env.studies"
 
 
 def rows(group: str) -> dict[str, str]:
-    """Return name -> module of a group of entry points; beside the source, pyproject.toml adds its rows."""
+    """Return the module of every entry point in a group, by name; the pyproject.toml of a source tree adds entries."""
     found = {point.name: point.value for point in entry_points(group=group)}
     source = PACKAGE.parent / "pyproject.toml"
     if source.is_file():
@@ -23,10 +23,10 @@ def rows(group: str) -> dict[str, str]:
 
 
 def load(group: str, name: str) -> Any:
-    """Import the module of a row.
+    """Import and return the module of a command or study.
 
     Raises:
-        ValueError: if no row has this name.
+        ValueError: if no entry point has this name.
     """
     found = rows(group)
     if name not in found:
@@ -36,6 +36,6 @@ def load(group: str, name: str) -> Any:
 
 
 def summaries(group: str, what: str) -> dict[str, str]:
-    """Return, by module name, the first docstring sentence of its `what`, parsed without importing it."""
+    """Return the first docstring paragraph of `what` in every module of a group, by entry name, without imports."""
     sentences = {name: docstring(module, what).partition("\n\n")[0] for name, module in rows(group).items()}
     return {name: sentence.replace("\n", " ").rstrip(".") for name, sentence in sentences.items()}

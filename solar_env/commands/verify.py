@@ -1,4 +1,4 @@
-"""`solar-env verify`: run the cases with known answers."""
+"""`solar-env verify`: run the verification cases, whose answers are known."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,13 +16,13 @@ class Args(QuietOption):
     """Run the cases with known answers."""
 
     only: str | None = None
-    """run one case; a name that is none lists them"""
+    """case to run; an unknown name lists all cases"""
     json: Path | None = None
-    """write the rows; - for standard output"""
+    """write the checks as JSON; - for standard output"""
 
 
 def run_command(args: Args) -> int:
-    """Run the cases, print the table, write the rows if asked to; return 1 if a check fails, else 0."""
+    """Run the cases, print the checks, write the checks if requested; return 1 if a check fails, otherwise 0."""
     from solar_env.verification.suite import CASES, run
 
     names = [args.only] if args.only else list(CASES)

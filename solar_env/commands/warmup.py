@@ -1,4 +1,4 @@
-"""`solar-env warmup`: compile every kernel once, with a sign of progress."""
+"""`solar-env warmup`: compile every kernel once, and show the progress."""
 
 import multiprocessing
 import time
@@ -13,8 +13,8 @@ from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlp
 from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage
 
-# The first two entries share almost no kernels; the last finds the kernels that it shares with the first compiled. The
-# methods of a pair have the same kernels.
+# Integrators by compilation job, in order. The first two jobs share almost no kernels. Kernels that the last job shares
+# with the first are compiled by then. The two methods of the first job have the same kernels.
 _ORDER = ((RungeKutta.name, Rosenbrock.name), (ModalRadau.name,), (GeneralizedAlpha.name,))
 
 
@@ -24,7 +24,7 @@ class Args:
 
 
 def load_kernels(model: str, integrator: str) -> float:
-    """Run a moment of a model so that its kernels are compiled or loaded; return the wall time [s]."""
+    """Simulate 1 ms with a model, so that its kernels are compiled or loaded; return the wall time [s]."""
     from solar_env.mechanics.running.simulation import Simulation
 
     start, level = time.perf_counter(), ModelLevel.of(model)
@@ -36,17 +36,17 @@ def load_kernels(model: str, integrator: str) -> float:
 
 
 def load_all_models(integrators: Sequence[str]) -> dict[str, list[float]]:
-    """Load the kernels of some integrators for every model; the models share their kernels."""
+    """Load the kernels of some integrators, which models share, for every model; return the wall times [s]."""
     return {integrator: [load_kernels(model, integrator) for model in MODELS] for integrator in integrators}
 
 
 def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
-    """Compile all integrators in two processes.
+    """Compile the kernels of all integrators in two processes.
 
     Yields:
-        Name of an integrator, with the seconds that it took to load for each of MODELS.
+        Name of an integrator, with its loading times [s] for each of MODELS.
     """
-    # Do not use joblib, as other work does: it takes the memory of compiling for a leak, and restarts its workers.
+    # Joblib, used elsewhere, will not do: it takes the memory of compiling for a leak, and restarts its workers.
     pool = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
     try:
         with starting_workers():
@@ -54,7 +54,7 @@ def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
         for job in as_completed(jobs):
             yield from job.result().items()
     except BaseException:
-        for worker in multiprocessing.active_children():  # each would finish its present compilation
+        for worker in multiprocessing.active_children():  # otherwise each would finish its present compilation
             worker.terminate()
         raise
     finally:
@@ -62,7 +62,7 @@ def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
 
 
 def warm_up(console: Console, model: str, integrator: str) -> None:
-    """Compile or load the kernels of a model, saying so."""
+    """Compile or load the kernels of a model for an integrator, and show this stage on a console."""
     with stage(console, f"loading kernels of {model}, {integrator}{compilation_note([integrator])}"):
         load_kernels(model, integrator)
 

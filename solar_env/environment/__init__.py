@@ -1,11 +1,11 @@
-"""The Gymnasium environments: one deploying array, and a vector of many that advance together.
+"""The Gymnasium environments: a single deploying array, and a vector of arrays that advance together.
 
-From the bottom up: `hardware` and `scenarios` hold the differences between environments; `task` defines an agent's
-task: observations, charges, and the end of an episode; `settings` checks all keywords and holds the values that
-episodes take from them; `showing` draws and records episodes; `episodes` runs them lane by lane; `env` and
-`vector_env` are the environments of Gymnasium, `stable_baselines3` is the vector behind that library's interface. The
-room may import `solar_env.array`, `solar_env.pictures` and `solar_env.mechanics`, and nothing else of learning.
+The modules from the bottom up: `hardware` and `scenarios` hold the differences between environments. `task` defines
+observations, rewards and the end of an episode. `settings` checks all keywords and derives from them what episodes
+need. `showing` draws and records episodes. `episodes` runs episodes in the environments of a batch, called lanes. `env`
+and `vector_env` are the Gymnasium environments; `stable_baselines3` adapts the vector to that library's interface. The
+package may import `solar_env`'s `array`, `pictures`, `mechanics` and `support`, and no other code about learning.
 
-To add a keyword: a field of `settings.EnvironmentSettings`; a scenario: a row of `scenarios.SCENARIOS`; a version of
-the task: a row of `task.task.VERSIONS`. Ids follow from both tables.
+A new keyword is a field of `settings.EnvironmentSettings`, a new scenario an entry of `scenarios.SCENARIOS`, a new
+version of the task an entry of `task.task.VERSIONS`. The environments' ids follow from the two tables.
 """

@@ -20,12 +20,12 @@ Observation = NDArray[np.float32]
 class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """## Description
 
-    A spacecraft's folded solar panels swing open on torsion springs, synchronised by cable loops, latch, and then
-    hammer in the clearances of their hinges. The drive of one hinge, by default the root's, works with the springs and
-    against them. The task is to deploy in time and softly: with little peak force after latching, and little wear.
+    Torsion springs open a spacecraft's folded solar panels, and cable loops synchronise the hinges. The hinges latch,
+    and their journals then hammer in the clearances. A drive on one hinge, by default the root hinge, works with or
+    against the springs. The task is to deploy in time and softly: with low peak force after latching, and little wear.
 
-    The physics follows Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
-    steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of 1e-5 to 3e-3 s with flexible ones.
+    The physics follows Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209. Between two actions the
+    simulation takes adaptive steps: 1e-5 to 1e-2 s with rigid panels, 1e-5 to 3e-3 s with flexible panels.
     Everything is deterministic; `reset(seed=...)` fixes the draws of `randomize` and the noise.
 
     | Quantity | Keyword | Value |
@@ -33,8 +33,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | time between two actions | `control_period` | 0.5 s |
     | time by which every joint should have latched | `deadline` | 20 s |
     | end of an episode in which a joint stays open | | 40 s, twice the deadline |
-    | time from the last latching to the end | `settling_window` | 10 s |
-    | greatest motor torque | `torque_limit` | 1 N m, for other arrays and joints in proportion to the springs' load |
+    | time from the last latching to the end of the episode | `settling_window` | 10 s |
+    | greatest motor torque | `torque_limit` | 1 N m; other arrays and joints scale this with the springs' load |
 
     ## Action Space
 
@@ -44,81 +44,81 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     |-----|--------|-----|-----|------|
     | 0   | Logarithm of the rate at which the driven hinge is to open | -1 | 1 | 4.5 |
 
-    The drive asks for a rate of 0.098 exp(u) rad/s, where u follows 4.5 times the action with a lag of 5 s; where u is
-    positive, for 0.098 (1 + 0.05 u) rad/s. An action of 0 deploys the array unhurriedly: 0.098 rad/s opens the hinge in
-    0.8 of the deadline. An action of -1 slows it down to a ninetieth of that.
+    The drive's rate setpoint is 0.098 exp(u) rad/s for negative u and 0.098 (1 + 0.05 u) rad/s for positive u, where u
+    follows 4.5 times the action with a lag of 5 s. An action of 0 deploys the array unhurriedly: 0.098 rad/s opens the
+    hinge in 0.8 of the deadline. An action of -1 slows the hinge down to a ninetieth of that rate.
 
-    A loop holds that rate. 20 times a second it sets the motor's torque to 25 N m s/rad times the error of the rate.
-    Flexible panels would shake with that gain: there it is 12 N m s/rad, 100 times a second. A driven panel of less
-    than 1.25 kg m2 about its hinge, such as a yoke, needs `hardware={"rate_loop_frequency": 100}`. The loop subtracts
-    the torque that the springs exert by their parameters before anything is drawn. The torque stays within the limit
+    A feedback loop holds the setpoint. With rigid panels it sets the motor torque 20 times a second to 25 N m s/rad
+    times the rate error. That gain would shake flexible panels; theirs is 12 N m s/rad, 100 times a second. A driven
+    panel of less than 1.25 kg m2 about its hinge, such as a yoke, needs `hardware={"rate_loop_frequency": 100}`. The
+    loop subtracts the springs' torque, by their parameters before any random draw. The torque stays within the limit
     and passes a low-pass filter of 0.1 s. The setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes
-    the loop; four panels and more need a greater `rate_loop_gain`. After the last latching the drive alone brings the
-    array to rest: it asks for a rate of 0, and the step in which the array latches lasts until the episode ends.
+    the loop; arrays of four or more panels need a greater `rate_loop_gain`. After the last latching the drive alone
+    brings the array to rest with a setpoint of 0; the step of that latching lasts until the episode ends.
 
-    With `action="torque"` an action is the motor's torque in units of the limit, positive opens. With several driven
-    joints, such as `driven_joint=(0, 1)`, each has a motor, a loop and an entry of the action, in that order.
+    With `action="torque"` an action is the motor torque divided by the limit; positive torques open the hinge. With
+    several driven joints, such as `driven_joint=(0, 1)`, each has a motor, a loop and an entry of the action, in order.
 
     ## Observation Space
 
     `Box` of float32. Values are clipped to the bounds; `observation_names` names the entries in order. The keyword
-    `observation` lists the observables; `_i` stands for one entry per joint, from 1 at the root. The sensors have the
-    imperfections of the keyword `hardware`.
+    `observation` lists the observables; `_i` stands for one entry per joint, from 1 at the root. The keyword `hardware`
+    sets the imperfections of the sensors.
 
     <observables>
 
-    * "scaled" is the default: distances to the locks and opening rates on a logarithmic scale, of order one where the
-      landing is decided, latch switches, time, and the setpoint.
+    * "scaled" is the default: distances to the locks and opening rates, latch switches, time, and the setpoint.
+      Distances and rates have logarithmic scales, on which the values that decide a landing are of order one.
     * "drive" observes what a hinge drive can measure: `theta_i`, `rate_i`, `latched_i`, `motor_torque`,
       `time_to_deadline`, `time_since_latch`.
-    * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
+    * "history" extends "drive" by the angles, rates and motor torque observed one, two and three periods ago
       (`theta_1_1_ago`, ...); before the first step the past values equal the first ones.
-    * "privileged" extends "drive" by what only a simulator knows, for analysis and bounds: `eccentricity_x_i`,
-      `eccentricity_y_i` (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
+    * "privileged" extends "drive" by quantities that only a simulator knows, for analysis and bounds:
+      `eccentricity_x_i`, `eccentricity_y_i` (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
 
     ## Rewards
 
-    The sum of the terms in `info["reward_terms"]`: each is minus the growth, in this step, of the cost of a physical
-    figure: `weight * x`, or in decades `weight * log10(1 + x)`, where x is `min(figure / scale, bound)`.
-    Over an episode a term adds up to minus the figure's cost at its end. The keyword `reward` changes weights,
-    scales, bounds and forms; terms of weight 0 are left out.
+    The reward is the sum of the terms in `info["reward_terms"]`. Each term is minus the growth of a physical figure's
+    cost in this step. With x = `min(figure / scale, bound)` the cost is `weight * x`, or in the form "decades"
+    `weight * log10(1 + x)`. Over an episode a term adds up to minus the figure's final cost. The keyword `reward`
+    changes weights, scales, bounds and forms; terms of weight 0 are left out.
 
     <terms>
 
-    Forces and sliding work are summed over the joints, spins read at the ends of the control periods, and the motor's
-    work counts whether it drives or brakes. An array that latches after t seconds returns
+    Forces and sliding work are summed over the joints, and spins are read at the ends of the control periods. The
+    motor's work counts whether the motor drives or brakes. An array that latches after t seconds returns
 
         3.2 - log10(1 + F / 1 N) - 2 log10(1 + W / 1 mJ) - 0.01 t - 2 max(0, t - 19.5),
 
-    with a force F and a work W: a decade of force costs 1, a decade of work 2. The opening earns 3.2, along the way.
-    A missed deadline must cost more than force and work can together; it also costs all the time that it takes.
+    where F is the peak force and W the sliding work: a tenfold F costs 1, a tenfold W costs 2. The opening earns 3.2 on
+    the way. A missed deadline must cost more than F and W can; all the time of the episode is then charged, too.
 
-    With rigid panels the springs alone return -4.0, the best constant action, 0, -2.4, PPO of Stable-Baselines3 with
-    its defaults -0.6 to -0.1 after 100,000 steps, and 0.7 to 0.9 once the last layer of its policy has been searched;
-    the tuned pd law -0.18 and the tuned servo 0.87.
+    With rigid panels the springs alone return -4.0. The best constant action, 0, returns -2.4. PPO of Stable-Baselines3
+    with its defaults returns -0.6 to -0.1 after 100,000 steps, and 0.7 to 0.9 after a search over the last layer of its
+    policy. The tuned PD controller returns -0.18, the tuned servo 0.87.
 
     ## Starting State
 
-    Folded, at rest unless the parameters say otherwise, journals centred. Parameters are drawn anew from `randomize` at
-    every reset: springs, clearances and initial rates of every joint by themselves, other quantities by joint where
-    their bounds are given by joint.
+    The array is folded, at rest unless the parameters say otherwise, with centred journals. Every reset draws the
+    parameters of `randomize` anew. Springs, clearances and initial rates are drawn separately for every joint, other
+    parameters only if their bounds are given by joint.
 
     ## Episode End
 
     * Termination: `settling_window` after the last latching, in the step of that latching, or at twice the deadline if
       a joint is still open.
-    * Truncation: never by itself. With the defaults an episode has at most 80 steps, a deployment in time 40.
+    * Truncation: never by itself. With the defaults an episode has at most 80 steps, at most 40 if it deploys in time.
 
-    Version 1 of the task, `solar_env/Deploy-v1`, has an action of torque, 0.1 s and a limit of 0.5 N m, ends at the
-    deadline, leaves the settling to the agent, and charges force and work by their amounts.
+    In version 1 of the task, `solar_env/Deploy-v1`, the action is a torque, the control period 0.1 s and the torque
+    limit 0.5 N m. The episode ends at the deadline, the agent settles the array, and force and work cost linearly.
 
     ## Information
 
-    Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the figures of the episode
-    (`latched`, `latch_times_s`, `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`,
-    `postlock_impulse_Ns`, `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint except
-    the first, `motor_work_J`, `energy_residual_J`, `duration_s`), and `v1_return`, the return of the same deployment at
-    the prices of version 1.
+    Every step has `time_s` and `reward_terms`. The last step also has `deployment`, the figures of the episode. Figures
+    of the array are `latched`, `motor_work_J`, `energy_residual_J`, `duration_s`, and `v1_return`, the return of the
+    same deployment at the prices of version 1. Lists by joint are `latch_times_s`, `peak_latch_torque_Nm`,
+    `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`, `postlock_impulse_Ns`,
+    `postlock_sliding_work_J`, `wear_depth_max_m` and `contact_starts`.
 
     ## Arguments
 
@@ -133,7 +133,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
 
     def __init__(self, **keywords: object) -> None:
-        """See the class.
+        """Check the keywords, which the class describes, and prepare the environment.
 
         Raises:
             TypeError: for an unknown keyword.
@@ -152,25 +152,25 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     @property
     def simulation(self) -> Simulation:
-        """The running simulation; its state can be saved and restored between steps."""
+        """Simulation of the present episode; the simulation's state can be saved and restored between steps."""
         return self._episodes.batch.simulations[0]
 
     @property
     def episode_parameters(self) -> ArrayParameters:
-        """Parameters of the present episode."""
+        """Array parameters of the present episode, after the random draw and the changes by reset options."""
         return self._episodes.parameters[0]
 
     def futures(self, lanes: int, threads: int | None = None) -> Episodes:
-        """Copy the present episode, to try futures in the copies; the episode itself stays; see `Episodes.futures`."""
+        """Copy the present episode into `lanes` new episodes, in which to try futures; see `Episodes.futures`."""
         return self._episodes.futures(0, lanes, threads)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
-        """Fold the array and draw its parameters.
+        """Begin an episode with a folded array and newly drawn parameters.
 
         The option {"parameters": {name: value}} changes parameters for this episode.
 
         Raises:
-            ValueError: for unknown options, parameters or refused values; the present episode goes on then.
+            ValueError: for unknown options or parameters, or refused values; the present episode then continues.
         """
         settings = self._episodes.settings
         changes = [settings.check_options(options, "parameters").get("parameters", {})]
@@ -183,16 +183,16 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             return self._episodes.observations[0].copy(), self._episodes.info(0)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, Info]:
-        """Hold an action (1,), clipped to [-1, 1], for one control period.
+        """Advance by one control period with a held action (motors,), clipped to [-1, 1].
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.
             ValueError: if the action has the wrong shape, is not finite, or is no number.
             SimulationError: if the simulation cannot go on, or takes more than `max_steps` steps.
-            RuntimeError: if another thread is in a call of this environment.
+            RuntimeError: if another thread is in a call to this environment.
 
         Warns:
-            SimulationWarning: if the episode was less accurate than it looks, see `Simulation.check`.
+            SimulationWarning: if the episode's simulation may be inaccurate, see `Simulation.check`.
         """
         episodes, actions = self._episodes, checked_actions(action, (len(self.task.driven_joints),))
         with episodes.alone():
@@ -207,14 +207,14 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             return episodes.observations[0].copy(), float(episodes.rewards[0]), terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Draw the present state; (540, 960, 3) uint8, or None without a render mode.
+        """Draw the present state as a frame (540, 960, 3) uint8; return None without the render mode "rgb_array".
 
-        With the render mode "human" every reset and step shows it in a window, at the pace of the control periods.
+        In the render mode "human" every reset and step shows the frame in a window, one frame per control period.
         """
         return None if self._window else self._episodes.render(0)
 
     def close(self) -> None:
-        """Close the window, if there is one."""
+        """Close the window of the render mode "human", if there is one."""
         if self._window:
             self._window.close()
 

@@ -1,4 +1,4 @@
-"""Episodes of the control task, lane by lane, of a single environment and of a vector of them."""
+"""Episodes of the control task in the environments of a batch, called lanes; a single environment is one lane."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,12 +22,12 @@ from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.support.values import is_whole_number, plain
 
-Info = dict[str, Any]  # of a step or a deployment, as the environments tell it
+Info = dict[str, Any]  # Gymnasium's `info` of a step, or the figures of a deployment
 
 
 class SavedEpisode(NamedTuple):
-    """An episode between two of its steps, see `Episodes.save`: the simulation's state, mid-contact included, the terms
-    of the reward with their accounts, what the drives remember and the memory of the sensors.
+    """A copy of an episode between two steps, see `Episodes.save`: parameters, conditions, simulation state (contacts
+    included), reward terms with their accounts, and the memories of drives and sensors.
     """
 
     parameters: ArrayParameters
@@ -40,20 +40,20 @@ class SavedEpisode(NamedTuple):
 
 
 class Episodes:
-    """One episode after another in each of several lanes.
+    """Episodes in the lanes (environments) of a batch; each lane runs one episode after another.
 
     Attributes:
-        lanes: settings by lane, which differ in the parameters of the array alone.
-        settings: of the first lane.
-        parameters: by lane, of the present episode.
-        observations: (lanes, entries) float32, the latest, as the sensors show them.
-        terms: (lanes, terms) of the latest reward, in the order of `settings.terms.names`.
-        rewards: (lanes,) their sums.
+        lanes: settings by lane; lanes differ only in the parameters of the array.
+        settings: settings of the first lane.
+        parameters: array parameters of the present episode, by lane.
+        observations: (lanes, entries) float32, the latest observations, with all sensor effects.
+        terms: (lanes, terms) latest reward terms, in the order of `settings.terms.names`.
+        rewards: (lanes,) latest rewards, the sums of the terms.
         terminated: (lanes,) whether the present episode has ended.
     """
 
     def __init__(self, lanes: Sequence[EnvironmentSettings], threads: int | None = None) -> None:
-        """Prepare episodes, which begin with `reset`; `threads`: see `Batch`."""
+        """Allocate the arrays of all lanes; `reset` begins the episodes. `threads` is as in `Batch`."""
         self.lanes, self.settings = tuple(lanes), lanes[0]
         self.parameters, settings = [of_lane.array for of_lane in lanes], self.settings
         self._sensors = settings.sensors(len(lanes))
@@ -69,7 +69,7 @@ class Episodes:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Raise a RuntimeError if another thread is within such a block."""
+        """Claim the episodes for this block; a RuntimeError is raised if another block has claimed them."""
         if self._busy:
             raise RuntimeError(
                 "this environment is in another call just now: give every thread an environment of its own, or take a "
@@ -83,27 +83,27 @@ class Episodes:
 
     @property
     def batch(self) -> Batch:
-        """Simulations of all lanes; a ResetNeeded is raised before the first reset."""
+        """Batch of all lanes' simulations; reading this property before the first reset raises ResetNeeded."""
         if self._batch is None:
             raise gymnasium.error.ResetNeeded("call reset() before using the simulation")
         return self._batch
 
     @property
     def times(self) -> NDArray[np.float64]:
-        """(lanes,) time of each episode [s]; a copy."""
+        """(lanes,) copy of the simulated time in each lane's episode [s]."""
         return np.array(self.batch.states.clock["time"][:, 0])
 
     def check_lanes(self, lanes: NDArray[np.int64]) -> None:
-        """Raise a ResetNeeded if a first reset is of some lanes only."""
+        """Raise ResetNeeded if the first reset leaves out some lanes."""
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
 
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
-        """Begin folded episodes with drawn parameters in lanes (k,); the first call must name all lanes.
+        """Begin episodes in lanes (k,) with folded arrays and drawn parameters; the first call must name all lanes.
 
-        `changes` follow the draw; callers check them beforehand, by `EnvironmentSettings.check_changes`.
+        `changes` (k,) override drawn parameters; callers check them first with `EnvironmentSettings.check_changes`.
         """
         announce_compilation(self.settings.integrator.name)
         drawn = [
@@ -132,24 +132,24 @@ class Episodes:
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Hold actions for one control period, as `attempt` does, and raise a failure.
+        """Advance lanes by one control period as `attempt` does, and raise the first failure.
 
         Raises:
-            SimulationError: the first failure.
+            SimulationError: if a lane's simulation cannot go on.
             ValueError: as `checked_actions`.
         """
         raise_first(self.attempt(lanes, checked_actions(actions, self._periods.actions.shape)))
 
     def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
-        """Hold actions for one control period.
+        """Advance lanes by one control period with held actions, and return failures.
 
         Args:
             lanes: (k,) indices of the lanes that advance.
             actions: (lanes, motors) see `Task.action`; clipped to [-1, 1].
 
         Returns:
-            Lane -> error of a simulation that cannot go on; mostly empty. A lane that fails keeps its last observation,
-            and earns nothing.
+            Mapping from lane to error for simulations that cannot go on; usually empty. A failed lane keeps its last
+            observation, and its reward is 0.
 
         Raises, Warns: as `Batch.attempt`.
         """
@@ -174,12 +174,12 @@ class Episodes:
         return failures
 
     def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
-        """Return the present time and figures of some lanes, as a reward function takes them."""
+        """Return present time and reward figures of each lane, in the form that a user's reward function takes."""
         times, told = self.times.tolist(), self.settings.terms.told
         return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 
     def save(self, lane: int) -> SavedEpisode:
-        """Return the present episode of a lane; `restore` continues it in any lane of episodes with equal settings."""
+        """Return a copy of a lane's present episode; `restore` continues the copy in any lane with equal settings."""
         state, sensors = self.batch.simulations[lane].snapshot(), self._sensors.memory(lane)
         account, terms, drives = (
             values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.drives)
@@ -187,11 +187,11 @@ class Episodes:
         return SavedEpisode(self.parameters[lane], self.lanes[lane].conditions, state, terms, account, drives, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
-        """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
+        """Continue a saved episode in a lane; equal actions give bitwise equal results. Frames lose the force history.
 
         Raises:
-            ValueError: if task, hardware, structure, entries observed or terms charged differ; the present episode goes
-                on then.
+            ValueError: if task, hardware, structure, observed entries or charged terms differ; the lane's present
+                episode then continues.
         """
         if not isinstance(saved, SavedEpisode):
             raise ValueError(f"{str(saved)[:100]} is no saved episode; give what save() returned")
@@ -211,17 +211,17 @@ class Episodes:
         return simulation
 
     def _recall(self, lane: int, saved: SavedEpisode) -> None:
-        """Take over everything of a saved episode except the state of its simulation."""
+        """Copy a saved episode into a lane, except the state of its simulation."""
         self.parameters[lane], self.terminated[lane] = saved.parameters, False
         self._periods.accounts[lane], self._periods.drives[lane] = saved.account, saved.drives
         self.terms[lane], self.rewards[lane] = saved.terms, saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
 
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
-        """Copy the present episode of a lane into the lanes of new episodes, which leave the original untouched.
+        """Return new episodes whose `count` lanes continue copies of a lane's present episode; the original stays.
 
-        Each copy has all that `save` keeps of the original, coming noise included: the same actions lead to the same
-        bits. The copies run on `threads` threads at most.
+        Each copy has everything that `save` keeps, and draws the same future noise. Equal actions thus give bitwise
+        equal results. The copies run on at most `threads` threads.
         """
         if not is_whole_number(plain(count), 1):
             raise ValueError(f"lanes = {count!r} must be a whole number, at least 1")
@@ -234,15 +234,15 @@ class Episodes:
         return copies
 
     def info(self, lane: int) -> Info:
-        """Return the information of every step: time [s] and terms of the reward."""
+        """Return the `info` of a lane's latest step: the simulated time [s] and the reward terms."""
         terms = dict(zip(self.settings.terms.names, self.terms[lane].tolist(), strict=True))
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> Info:
-        """Return the physical figures of an episode so far, for `info["deployment"]`.
+        """Return the physical figures of a lane's episode so far, for `info["deployment"]`.
 
         Warns:
-            SimulationWarning: if it was less accurate than it looks, see `Simulation.check`.
+            SimulationWarning: if the simulation may be inaccurate, see `Simulation.check`.
         """
         simulation, driven_joints = self.batch.simulations[lane], list(self.settings.task.driven_joints)
         simulation.check()
@@ -253,6 +253,7 @@ class Episodes:
         figures: Info = {
             "latched": bool(joints["latched"].all()),
             "latch_times_s": [float(time) if latched else None for time, latched in latches],
+            "peak_latch_torque_Nm": joints["peak_latch_torque"].tolist(),
             "peak_prelatch_force_N": joints["lock_peak_force" if locked else "peak_force"].tolist(),
             "peak_postlock_force_N": joints["postlock_peak_force"].tolist(),
             "sliding_work_J": by_joint[:, m.SLIDING_WORK].tolist(),
@@ -267,12 +268,12 @@ class Episodes:
         return {**figures, "v1_return": v1_return(figures)}
 
     def close(self) -> None:
-        """End the threads."""
+        """End the threads of the batch."""
         if self._batch is not None:
             self._batch.close()
 
     def render(self, lane: int) -> NDArray[np.uint8] | None:
-        """Draw the present state; (540, 960, 3) uint8, or None with a warning if the settings have no render mode."""
+        """Draw a lane's present state as a frame (540, 960, 3) uint8; without a render mode, warn and return None."""
         if not self.settings.render_mode:
             gymnasium.logger.warn(
                 'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
@@ -282,7 +283,7 @@ class Episodes:
 
 
 def raise_first(failures: Mapping[int, SimulationError]) -> None:
-    """Raise the first of the failures by lane, if there is one, with a note that names its lane and the others."""
+    """Raise the first failure, if any, with a note that names its lane and the other failed lanes."""
     if failures:
         lane, *others = failures
         failures[lane].add_note(f"in lane {lane} of the batch{f', and others in {others}' if others else ''}")
@@ -290,14 +291,14 @@ def raise_first(failures: Mapping[int, SimulationError]) -> None:
 
 
 def checked_actions(given: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return the actions, (motors,) of one array or (lanes, motors) of many, as a new array of floating-point numbers.
+    """Return a float64 copy of actions: (motors,) for one environment, (lanes, motors) for a batch.
 
     Raises:
-        ValueError: if they have another shape, are no numbers, or are not finite.
+        ValueError: if the actions have another shape, are no numbers, or are not finite.
     """
     try:
         actions = np.array(given, dtype=np.float64)
-    except (ValueError, TypeError, OverflowError) as error:  # whole numbers of Python have no limit
+    except (ValueError, TypeError, OverflowError) as error:  # Python's int may exceed a float's range
         raise ValueError(f"action = {str(given)[:99]} is no array of finite numbers; give some of -1 to 1") from error
     if actions.shape != shape:
         raise ValueError(f"the action has shape {actions.shape}, expected {shape}")

@@ -1,6 +1,6 @@
-"""Sensors and motor of the hinge drives, between the array and its controller.
+"""Sensors and motors of the hinge drives, which stand between the array and its controller.
 
-To add an imperfection: a field of `Hardware`, and its use in `environment.task.sensors` or `environment.task.task`.
+A new imperfection is a field of `Hardware`, which `environment.task.sensors` or `environment.task.drive` uses.
 """
 
 import math
@@ -15,30 +15,30 @@ _POSITIVE = Rule(math.ulp(0.0), sys.float_info.max, "must be a positive finite n
 _ANGLE, _RATE = Usual(0.0, 0.3, "rad", "degrees"), Usual(0.0, 1.0, "rad/s", "degrees per second")
 _LAG = Usual(1e-6, 10.0, "s", "ms")
 
-# Fields of the drive's rate loop.
+# Names of the `Hardware` fields that configure the drive's rate loop.
 OF_THE_LOOP = ("rate_loop_gain", "rate_loop_frequency", "rate_loop_lag", "setpoint_rate_limit", "load_compensation")
 
 
 @dataclass(frozen=True)
 class Hardware:
-    """Imperfections of the sensors and the motor of the hinge drives; by default both are ideal.
+    """Imperfections of a hinge drive's sensors and motor, by default ideal, and settings of the drive's rate loop.
 
     Attributes:
-        angle_noise: standard deviation of the noise of a measured joint angle [rad].
-        rate_noise: standard deviation of the noise of a measured joint rate [rad/s].
+        angle_noise: standard deviation of the noise in a measured joint angle [rad].
+        rate_noise: standard deviation of the noise in a measured joint rate [rad/s].
         encoder_resolution: step of a measured joint angle [rad]; 0 for a continuous angle.
-        sensor_delay: control periods from a measurement to the observation that shows it.
-        motor_lag: time constant with which the motor torque follows the action [s]; 0 for no lag.
+        sensor_delay: number of control periods between a measurement and the observation that shows the measurement.
+        motor_lag: time constant with which the motor torque follows the drive's torque command [s]; 0 for no lag.
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
-        attitude_noise: standard deviation of the noise of the measured direction of the main body [rad].
-        rate_loop_gain: torque of the drive's rate loop per error of the rate [N m s/rad].
-        rate_loop_frequency: samples of that loop in a second [Hz]; it reads its rate with `rate_noise` and without
-            delay, and holds its torque from one sample to the next.
-        rate_loop_lag: time constant of the low-pass filter of that loop's torque [s]; 0 for no filter. Without it the
-            loop answers the journals' rattle in their bearings, and shakes flexible panels.
-        setpoint_rate_limit: greatest rate of change of that loop's setpoint [rad/s^2].
-        load_compensation: whether the loop adds the torque that the springs exert, by their parameters before anything
-            is drawn: what the drive's maker knows.
+        attitude_noise: standard deviation of the noise in the main body's measured direction [rad].
+        rate_loop_gain: torque of the drive's rate loop per rate error [N m s/rad].
+        rate_loop_frequency: number of rate-loop samples per second [Hz]. The loop reads the rate with `rate_noise` and
+            without delay, and holds its torque from one sample to the next.
+        rate_loop_lag: time constant of the low-pass filter on the rate loop's torque [s]; 0 for no filter. Without a
+            filter the loop reacts to the journals' rattle in their bearings, and shakes flexible panels.
+        setpoint_rate_limit: greatest rate of change of the rate loop's setpoint [rad/s^2].
+        load_compensation: whether the rate loop subtracts the springs' torque from its own. The springs' torque follows
+            from the parameters before any random draw, since the drive's maker knows only these.
     """
 
     angle_noise: float = number(0.0, _NOT_NEGATIVE, _ANGLE)
@@ -63,11 +63,11 @@ class Hardware:
 
     @property
     def ideal_sensors(self) -> bool:
-        """True if observations are exact and shown at once."""
+        """True if the sensors have neither noise nor encoder steps nor delay."""
         noise = self.angle_noise, self.rate_noise, self.attitude_noise
         return not any((*noise, self.encoder_resolution, self.sensor_delay))
 
 
 def response(lag: float, period: float) -> float:
-    """Return the share of a change that a first-order lag, of time constant `lag` [s], lets through in a period [s]."""
+    """Return the fraction of a jump that a first-order lag with time constant `lag` [s] reaches in a period [s]."""
     return -math.expm1(-period / lag) if lag > 0.0 else 1.0

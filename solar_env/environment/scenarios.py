@@ -14,8 +14,8 @@ class Spread(NamedTuple):
     """Range from which a parameter is drawn, relative to the array's own value.
 
     Attributes:
-        low, high: numbers that `of` combines with the value into the bounds.
-        of: product, sum or power of the value and `low` or `high`.
+        low, high: second operands of `of`, whose results are the lower and the upper bound of the range.
+        of: product, sum or power, with the array's own value as first operand.
     """
 
     low: float
@@ -23,20 +23,20 @@ class Spread(NamedTuple):
     of: Callable[[float, float], float] = operator.mul
 
     def around(self, value: float | tuple[float, ...]) -> tuple[Bound, Bound]:
-        """Return the bounds around a value, or around the entries of a value by joint."""
+        """Return the lower and upper bound around a parameter's value; a value by joint gives bounds by joint."""
         if isinstance(value, tuple):
             return tuple(self.of(entry, self.low) for entry in value), tuple(self.of(x, self.high) for x in value)
         return self.of(value, self.low), self.of(value, self.high)
 
 
 class Scenario(NamedTuple):
-    """Values that the keywords of an environment change.
+    """A named set of default values, which the keywords of an environment change.
 
     Attributes:
-        title: name in the ids of its environments, before the version of the task.
-        parameters: of the array, before anything is drawn.
-        spreads: spread of each parameter that is drawn anew for every episode, by name.
-        hardware: sensors and motor.
+        title: name in the environments' ids, before the version of the task.
+        parameters: array parameters before any random draw.
+        spreads: spread of each parameter that is drawn anew for every episode, by name of the parameter.
+        hardware: properties of sensors and motors.
     """
 
     title: str
@@ -45,7 +45,7 @@ class Scenario(NamedTuple):
     hardware: Hardware
 
     def ranges(self, array: ArrayParameters) -> Ranges:
-        """Return the ranges for an array, around its own parameters; a held main body gets no initial spin."""
+        """Return the ranges of drawn parameters around an array's values; a fixed main body gets no initial spin."""
         turns = not array.body_fixed
         values = {n: getattr(array, n) for n in self.spreads if turns or n != "initial_spin"}
         several = {n: array.for_each_joint(n) for n, value in values.items() if isinstance(value, tuple)}
@@ -56,16 +56,16 @@ _TENTH = Spread(0.9, 1.1)
 
 SCENARIOS: dict[str, Scenario] = {
     "nominal": Scenario("Deploy", ArrayParameters(), {}, Hardware()),
-    # Widths are chosen: hinges within their tolerances and from dry to worn, springs and panels as they come, a
-    # spacecraft that turns by less than 0.3 degrees a second, an encoder of 13 bits. The law of Flores et al. gives the
-    # restitution that it is asked for, which Lankarani and Nikravesh's does not below 0.9.
+    # The widths are chosen. They cover hinge tolerances, dry to worn hinges, the scatter of springs and panels, a
+    # spacecraft that turns by less than 0.3 degrees per second, and an encoder of 13 bits. Below a restitution of 0.9
+    # the contact law of Flores et al. reproduces the restitution; the law of Lankarani and Nikravesh does not.
     "randomised": Scenario(
         title="DeployRandomised",
         parameters=ArrayParameters(contact_law="flores"),
         spreads={
             "clearance": Spread(0.25, 2.5),
             "friction_coefficient": Spread(1.0 / 3.0, 2.0),
-            # From 0.7 to 0.95 where the restitution is 0.9; a power of a restitution is a restitution, too.
+            # Gives 0.7 to 0.95 if the restitution is 0.9; a positive power of a restitution is also a restitution.
             "restitution": Spread(math.log(0.7) / math.log(0.9), math.log(0.95) / math.log(0.9), operator.pow),
             "spring_stiffness": _TENTH,
             "cable_stiffness": _TENTH,

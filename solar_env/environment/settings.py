@@ -1,4 +1,4 @@
-"""The keywords of the environments: names, defaults, checks of their values, and what episodes take from them."""
+"""The keywords of the environments: names, defaults and checks, and the objects that episodes derive from them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -31,27 +31,27 @@ class EnvironmentSettings:
     """The keywords of `gymnasium.make` and `gymnasium.make_vec` that describe an environment.
 
     Attributes:
-        model: level of the model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". After it
-            the fineness of flexible panels may stand, as in "flexible-clearance:8 modes" (up to 200; 32 by default) or
-            "flexible-ideal:6 elements" (1 to 1000). With ideal joints the joint reactions take the place of contact
-            forces and nothing wears. `solar_env.cheapest_level("controller-ranking", 0.2)` gives the cheapest level
-            that answers a question.
+        model: level of the model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". Flexible
+            levels may state their fineness, as in "flexible-clearance:8 modes" (up to 200; 32 by default) or
+            "flexible-ideal:6 elements" (1 to 1000). With ideal joints, joint reactions replace contact forces and
+            nothing wears. `solar_env.cheapest_level("controller-ranking", 0.2)` gives the cheapest level that answers a
+            question, here within 20 %.
         parameters: an `ArrayParameters`, or a mapping of changes to the scenario's parameters.
-        version: version of the task, which gives all that follows its defaults: limits and times, observation and
-            action, the drive's loop and the prices of the reward.
+        version: version of the task, which sets the defaults of the keywords below: limits and times, observation,
+            action, rate loop and reward prices.
         torque_limit, control_period, deadline, settling_window, driven_joint, action: see `task.task.Task`.
-        observation: "scaled", "drive", "history" or "privileged", or names of observables, such as
-            `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
-            of the four names in a list stands for all its observables.
-        reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound", which changes the
-            version's prices; or a function instead, see `solar_env.environment.task.reward.RewardFunction`.
-        scenario: "nominal" or "randomised"; the two keywords that follow change it.
-        randomize: mapping of parameter names to (low, high), instead of the scenario's ranges, which lie around the
-            array's own parameters. Each reset draws uniformly, by joint where the parameter is by joint; there each
-            bound may be a sequence by joint.
-        hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's.
-        render_mode: "rgb_array", "human" (a window; a single environment alone) or None.
-        max_steps: bound on the integration steps of one control period, tried ones included; some hundred are usual.
+        observation: "scaled", "drive", "history" or "privileged"; or a list of observables, such as
+            `["theta", "rate", "rate_1_ago", "time_to_deadline"]`, where "rate_1_ago" is the rate one control period
+            ago. A list may also contain the four names, each for all its observables.
+        reward: changes to the version's prices, by term: a weight, or a mapping of "scale", "weight", "bound" and
+            "form". Or a user's function, see `solar_env.environment.task.reward.RewardFunction`.
+        scenario: "nominal" or "randomised"; `parameters`, `randomize` and `hardware` change the scenario's values.
+        randomize: mapping of parameter names to (low, high), which replaces the scenario's ranges around the array's
+            own values. Each reset draws uniformly: by joint if a bound is a sequence by joint, and always by joint for
+            springs, clearances and initial rates.
+        hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's hardware.
+        render_mode: "rgb_array", "human" (a window, only for a single environment) or None.
+        max_steps: greatest number of steps, rejected ones included, in one control period; some hundred are usual.
 
     Raises:
         ValueError: on construction, for an unknown name or a refused value; the message says which.
@@ -82,7 +82,7 @@ class EnvironmentSettings:
             check_name(f"the {name}", getattr(self, name), table)
         for name in ("level", "integrator", "array", "ranges", "devices", "task", "entries", "terms"):
             getattr(self, name)
-        build(self.array, self.level)  # refuses parameters that do not go with the panels
+        build(self.array, self.level)  # raises an error if parameters do not fit the kind of panels
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
@@ -99,33 +99,33 @@ class EnvironmentSettings:
 
     @cached_property
     def level(self) -> ModelLevel:
-        """Level of the model."""
+        """Model level that the keyword `model` names, such as "rigid-clearance"."""
         return ModelLevel.of(self.model)
 
     @cached_property
     def integrator(self) -> Integrator:
-        """Method of the model, with the bound on its steps."""
+        """Default integrator of the model level, limited to `max_steps`."""
         return replace(default_integrator(self.level), max_steps=self.max_steps)
 
     @property
     def frames_per_second(self) -> int:
-        """Control periods in a second [1/s], the nearest whole number, which Gymnasium's `play` asks for."""
+        """Number of control periods per second [1/s], rounded and at least 1, which Gymnasium's `play` needs."""
         return max(round(1.0 / self.task.control_period), 1)
 
     @cached_property
     def array(self) -> ArrayParameters:
-        """Parameters of the array, before anything is drawn: the scenario's with changes, or the given ones."""
+        """Array parameters before any random draw: the given set, or the scenario's set with the given changes."""
         usual, given = SCENARIOS[self.scenario].parameters, self.parameters
         return given if isinstance(given, ArrayParameters) else usual.with_changes(given or {})
 
     @property
     def structure(self) -> dict[str, object]:
-        """The parameters that decide how many numbers describe the array."""
+        """Structural parameters by name, which determine the number of coordinates and state variables."""
         return {name: getattr(self.array, name) for name in ArrayParameters.STRUCTURAL}
 
     @cached_property
     def ranges(self) -> Ranges:
-        """Parameter -> (low, high), by joint where the parameter is."""
+        """Range (low, high) of each drawn parameter by name; the bounds are tuples if joints are drawn separately."""
         if self.randomize is not None:
             return checked_ranges(self.array, self.randomize)
         try:
@@ -135,7 +135,7 @@ class EnvironmentSettings:
 
     @cached_property
     def devices(self) -> Hardware:
-        """Sensors and motor."""
+        """Hardware of the scenario, changed by the version of the task and by the keyword `hardware`."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
         version = VERSIONS[self.version]
@@ -145,7 +145,7 @@ class EnvironmentSettings:
 
     @cached_property
     def task(self) -> Task:
-        """Limits, durations and the driven joint."""
+        """The task: the version's limits, times, action and driven joints, changed by the keywords."""
         given = {item.name: plain(getattr(self, item.name, None)) for item in fields(Task)}
         usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
@@ -156,7 +156,7 @@ class EnvironmentSettings:
                 "index 0"
             )
         if self.torque_limit is None and self.devices.load_compensation:
-            # A drive that is to hold the springs' load has a motor chosen for that load.
+            # A drive that compensates the springs' load has a motor sized for that load.
             load, driven = max((spring_load(self.array, joint)[0], joint) for joint in task.driven_joints)
             usual_load, _ = spring_load(ArrayParameters(), 0)
             if load <= 0.0:
@@ -171,49 +171,49 @@ class EnvironmentSettings:
                 f"hardware[{of_loop[0]!r}] is of the drive's rate loop, which action = {task.action!r} of version "
                 f"{self.version!r} leaves out"
             )
-        task.samples(self.devices)  # refuses a loop whose samples do not fit into a control period
+        task.samples(self.devices)  # raises an error unless a control period is a whole number of samples
         return task
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
-        """Entries of an observation, in order."""
+        """Entries of the observation vector, in order."""
         observation = VERSIONS[self.version].observation if self.observation is None else self.observation
         return observation_entries(len(self.array.joints), observation, self.task.driven_joints)
 
     @property
     def observation_names(self) -> tuple[str, ...]:
-        """Names of the entries."""
+        """Names of the observation's entries, in order."""
         return tuple(entry.name for entry in self.entries)
 
     @cached_property
     def terms(self) -> Reward:
-        """The terms of the reward with their prices."""
+        """The reward: its terms with their prices, or the user's function."""
         return Reward(self.reward, VERSIONS[self.version])
 
     @cached_property
     def conditions(self) -> dict[str, object]:
-        """Conditions of an episode beside its parameters, by name; a saved episode needs equal ones to go on."""
+        """Conditions of an episode by name, besides array parameters; a saved episode needs equal ones to continue."""
         known = {"model": str(self.level), "observation": self.observation_names, "reward": self.terms.prices}
         motors = task_numbers(self.task, self.devices, self.array).motors
         loads = {name: motors[name].tolist() for name in ("load", "load_slope")}
         return {**known, **vars(self.task), **vars(self.devices), **loads}
 
     def sensors(self, lanes: int) -> Sensors:
-        """Return the sensors of several arrays."""
+        """Return the sensors of the drives for a batch of `lanes` environments."""
         lock_angles = [joint.lock_angle for joint in self.array.joints]
         return Sensors(lanes, lock_angles, self.entries, self.devices)
 
     def observation_space(self) -> gymnasium.Space[Any]:
-        """Return the space of one observation."""
+        """Return the Gymnasium space of a single environment's observations."""
         bounds = [(entry.observable.low, entry.observable.high) for entry in self.entries]
         return gymnasium.spaces.Box(*np.array(bounds, dtype=np.float32).T, dtype=np.float32)
 
     def action_space(self) -> gymnasium.Space[Any]:
-        """Return the space of one action."""
+        """Return the Gymnasium space of a single environment's actions."""
         return gymnasium.spaces.Box(-1.0, 1.0, (len(self.task.driven_joints),), dtype=np.float32)
 
     def check_options(self, options: Changes | None, *known: str) -> Changes:
-        """Return the options of a reset; an unknown option raises a ValueError."""
+        """Check the options of a reset and return them; an option not among `known` raises a ValueError."""
         if not isinstance(options, Mapping | None):
             raise ValueError(f"options = {options!r} must be a mapping of names to values")
         for name in options or {}:
@@ -221,9 +221,9 @@ class EnvironmentSettings:
         return options or {}
 
     def check_changes(self, changes: Changes) -> None:
-        """Raise a ValueError for changes that an episode cannot have.
+        """Raise a ValueError if an episode cannot have some parameter changes.
 
-        Such changes alter the structure, or no array can have them together with the values that are drawn.
+        Refused changes alter the mechanism's structure, or contradict values that may be drawn.
         """
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
@@ -239,7 +239,7 @@ class EnvironmentSettings:
                 )
 
     def draw(self, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
-        """Draw the parameters of one episode, and then apply `changes`."""
+        """Draw the array parameters of one episode, and override them by `changes`."""
         return self.array.with_changes({**drawn(self.ranges, generator), **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:

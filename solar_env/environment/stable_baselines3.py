@@ -1,4 +1,4 @@
-"""The native vector environment behind Stable-Baselines3's interface."""
+"""Adapter that gives the native vector environment the interface of Stable-Baselines3."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -15,18 +15,18 @@ from solar_env.environment.registration import DEPLOY
 
 
 class NativeVecEnv(VecEnv):
-    """All environments of a Stable-Baselines3 algorithm in one process, with one compiled call per thread.
+    """A vector environment for Stable-Baselines3 that runs in one process, with one compiled call per thread.
 
-    The end of an episode is reported as by `DummyVecEnv`: `terminal_observation` and `TimeLimit.truncated` are in its
-    last info, while the observation is already the first of the next episode. With equal episodes, seeds and actions,
-    everything returned equals `DummyVecEnv`'s results, bit for bit.
+    The end of an episode is reported as by `DummyVecEnv`: the episode's last info has `terminal_observation` and
+    `TimeLimit.truncated`, and the returned observation is already the first of the next episode. With equal episodes,
+    seeds and actions, all returned values equal `DummyVecEnv`'s results bit for bit.
 
     Args:
-        num_envs: Number of lanes.
+        num_envs: Number of environments, here called lanes.
         env_id: Environment id.
         env_kwargs: Keywords of the vector environment, such as `num_threads`, and of the single environment.
-        first_seed: Seed of lane 0 at every reset, to which the other lanes add their number: the same episodes again
-            and again; None takes the algorithm's seeds.
+        first_seed: Seed of lane 0 at every reset; lane i gets first_seed + i. Every reset then begins the same
+            episodes. None takes the algorithm's seeds.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes with the seeds and options set before, which are used once, or with `first_seed`."""
+        """Begin new episodes; seeds and options set before are used once. A `first_seed` replaces those seeds."""
         if self._first_seed is not None:
             self.seed(self._first_seed)
         seeds: Any = self._seeds
@@ -59,11 +59,11 @@ class NativeVecEnv(VecEnv):
         return observations
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Take the actions (num_envs, 1) of the next step."""
+        """Store the actions (num_envs, motors) that the next `step_wait` applies."""
         self._actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Advance all lanes, and return (observations, rewards as float32, dones, infos)."""
+        """Advance all lanes by one control period; return (observations, rewards as float32, dones, infos)."""
         observations, rewards, terminations, truncations, infos = self._with_lists.step(self._actions)
         dones = terminations | truncations
         told: list[Info] = list(infos)
@@ -76,19 +76,19 @@ class NativeVecEnv(VecEnv):
         return observations, rewards.astype(np.float32), dones, told
 
     def close(self) -> None:
-        """Stop the threads."""
+        """Stop the threads of the vector environment."""
         self.env.close()
 
     def get_images(self) -> Sequence[np.ndarray | None]:
-        """Render a frame of every lane."""
+        """Render a frame of every lane (environment)."""
         return self.env.render()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Return an attribute of the lanes, such as `simulation`, or of the vector environment."""
+        """Return each lane's attribute, such as `simulation`; lanes also have the vector environment's attributes."""
         return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: object, indices: VecEnvIndices = None) -> None:
-        """Refuse to set an attribute, by an AttributeError that says what to do instead."""
+        """Raise an AttributeError that says what to do instead: attributes of lanes cannot be set."""
         raise AttributeError(
             f"{attr_name!r} cannot be set in a lane; pass keywords when the environment is made, or reset options"
         )
@@ -96,7 +96,7 @@ class NativeVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: object, indices: VecEnvIndices = None, **kwargs: object
     ) -> list[Any]:
-        """Call a method of the lanes, such as `render`, or of the vector environment."""
+        """Call a method on each lane, such as `render`; lanes also have the methods of the vector environment."""
         lanes = [self.env.unwrapped.lane(lane) for lane in self._get_indices(indices)]
         return [getattr(lane, method_name)(*method_args, **kwargs) for lane in lanes]
 

@@ -24,28 +24,28 @@ Results = tuple[Observation, NDArray[np.float64], Flags, Flags, Info]
 
 
 class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
-    """Several of `solar_env.SolarArrayEnv`, which describes actions, observations, rewards and info.
+    """A vector of environments, called lanes; `solar_env.SolarArrayEnv` describes actions, observations and rewards.
 
-    `gymnasium.make_vec("solar_env/Deploy-v2", num_envs=64)` makes it. All lanes advance in one compiled call a
-    thread, without the interpreter lock; the threads share a queue of lanes, so that lanes full of impacts do not keep
-    the others waiting. Lane i gives what a single environment gives with the same seed and actions, to the last bit,
-    whatever the number of lanes and threads. Returned arrays are the caller's.
+    `gymnasium.make_vec("solar_env/Deploy-v2", num_envs=64)` makes a vector. Each thread advances lanes in one compiled
+    call, without the interpreter lock. The threads share a queue of lanes: lanes with many impacts do not delay other
+    lanes. Lane i gives the results of a single environment with the same seed and actions to the last bit, for any
+    number of lanes and threads. Returned arrays are copies that the caller may change.
 
-    It keeps to the conventions of `gymnasium.vector.SyncVectorEnv`: an integer seed s gives lane i the seed s + i,
-    `info` holds arrays with masks, and in autoreset mode SAME_STEP `final_obs` and `final_info`. With DISABLED,
-    `reset(options={"reset_mask": mask})` begins new episodes in some lanes. The episode of a lane whose simulation
-    cannot go on is truncated: reward 0, the last observation once more, the error in `info["failure"]`.
+    The conventions are `gymnasium.vector.SyncVectorEnv`'s: an integer seed s gives lane i the seed s + i, and `info`
+    holds arrays with masks. In autoreset mode SAME_STEP `info` also has `final_obs` and `final_info`. With DISABLED,
+    `reset(options={"reset_mask": mask})` begins new episodes in some lanes. If a lane's simulation cannot go on, its
+    episode is truncated: the reward is 0, the observation is the last one, and `info["failure"]` holds the error.
 
     Args:
         num_envs: number of lanes.
-        max_episode_steps: control periods after which an episode is truncated; None never truncates.
+        max_episode_steps: number of control periods after which an episode is truncated; None never truncates.
         autoreset_mode: a `gymnasium.vector.AutoresetMode`, or its value.
-        num_threads: most threads; by default as many as there are processors for this process.
+        num_threads: greatest number of threads; by default the number of processors available to this process.
         keywords: see `solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a sequence with an
             entry for every lane.
     """
 
-    closed = True  # until there is something to close: Gymnasium closes a vector that was refused, too
+    closed = True  # until construction succeeds: Gymnasium also closes a vector whose construction failed
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         num_threads: int | None = None,
         **keywords: Any,
     ) -> None:
-        """See the class, and `SolarArrayEnv` for refused values."""
+        """Check the keywords and prepare all lanes; see the class, and `SolarArrayEnv` for refused values."""
         counts = {"num_envs": num_envs, "max_episode_steps": max_episode_steps, "num_threads": num_threads}
         for name, number in counts.items():
             if number is not None and not is_whole_number(plain(number), 1):
@@ -88,27 +88,27 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
     @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
-        """The lanes' generators of random numbers."""
+        """Random number generators of the lanes, in order."""
         return tuple(self._generators)
 
     @property
     def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
-        """The lanes' seeds."""
+        """Seeds of the lanes' random number generators, in order."""
         return tuple(self._seeds)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, Info]:
-        """Fold the arrays and draw their parameters.
+        """Begin episodes with folded arrays and newly drawn parameters.
 
         Args:
-            seed: seed of lane 0, while lane i has seed + i; or a seed by lane; None continues the sequences.
-            options: {"parameters": {name: value}} changes parameters for this episode, in all lanes alike or, as a
-                sequence of such mappings, by lane; {"reset_mask": (num_envs,) bool} resets some lanes only.
+            seed: seed of lane 0, with seed + i for lane i; or a seed by lane; None continues the random sequences.
+            options: {"parameters": {name: value}} changes parameters for this episode in all lanes; a sequence of
+                mappings changes them by lane. {"reset_mask": (num_envs,) bool} resets only the lanes of the mask.
 
         Raises:
             ValueError: as `SolarArrayEnv.reset`, or for a wrong mask or number of seeds.
-            gymnasium.error.ResetNeeded: if a mask leaves out lanes that have never been reset.
+            gymnasium.error.ResetNeeded: if a mask leaves out lanes before the first reset of all lanes.
         """
         given = self.episodes.settings.check_options(options, "parameters", "reset_mask")
         mask = given.get("reset_mask")
@@ -144,10 +144,10 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self._elapsed[lanes] = 0
 
     def step(self, actions: Actions) -> Results:
-        """Hold the actions (num_envs, 1) for one control period.
+        """Advance all lanes by one control period with held actions (num_envs, motors).
 
-        Raises, Warns: as `SolarArrayEnv.step`, but no SimulationError; ResetNeeded only where an episode has ended and
-            autoreset is disabled.
+        Raises, Warns: as `SolarArrayEnv.step`, except SimulationError, which ends its lane's episode instead. An ended
+            episode raises ResetNeeded only if autoreset is disabled.
         """
         given = checked_actions(actions, (self.num_envs, len(self.task.driven_joints)))
         episodes, lanes = self.episodes, self._all_lanes
@@ -177,7 +177,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             return episodes.observations.copy(), rewards, terminations, truncations, infos
 
     def _infos(self) -> Info:
-        """Return the information of all lanes, with the masks of `gymnasium.vector`."""
+        """Return the `info` arrays of all lanes for the latest step, with the masks of `gymnasium.vector`."""
         terms = dict(zip(self.reward.names, self.episodes.terms.T.copy(), strict=True))
         told: Info = {"time_s": self.episodes.times, "reward_terms": terms}
         for values in (told["reward_terms"], told):
@@ -185,7 +185,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         return told
 
     def _end_episodes(self, lanes: NDArray[np.int64], last: Mapping[int, Info], infos: Info) -> None:
-        """Add the information of the last steps of episodes; with SAME_STEP also begin the next episodes."""
+        """Add the information of the last steps in `lanes` to `infos`; with SAME_STEP, begin new episodes there."""
         episodes = self.episodes
         if self.autoreset_mode is not AutoresetMode.SAME_STEP:
             for lane, told in last.items():
@@ -203,16 +203,16 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         return Lane(self, range(self.num_envs)[lane])
 
     def render(self) -> tuple[NDArray[np.uint8] | None, ...]:  # type: ignore[override]
-        """Draw every lane's present state; (540, 960, 3) uint8 each."""
+        """Draw every lane's present state; each frame is (540, 960, 3) uint8."""
         return tuple(self.episodes.render(lane) for lane in range(self.num_envs))
 
     def close_extras(self, **kwargs: object) -> None:
-        """End the threads."""
+        """End the threads of the batch."""
         self.episodes.close()
 
 
 def _settings_by_lane(keywords: Mapping[str, Any], lanes: int) -> list[EnvironmentSettings]:
-    """Return the settings of every lane, whose arrays have one structure."""
+    """Return the settings of every lane; a ValueError is raised if structural parameters differ between lanes."""
     given = _by_lane("parameters", keywords.get("parameters"), lanes)
     found = {id(entry): EnvironmentSettings.of({**keywords, "parameters": entry}) for entry in given}
     settings = [found[id(entry)] for entry in given]
@@ -223,7 +223,7 @@ def _settings_by_lane(keywords: Mapping[str, Any], lanes: int) -> list[Environme
 
 
 def _by_lane(name: str, given: object, lanes: int) -> list[Any]:
-    """Return an entry for each lane: the entries of a sequence, or one value for all lanes."""
+    """Return a list with one entry per lane: the entries of a given sequence, or one given value repeated."""
     entries = list(given) if isinstance(given, (Sequence, np.ndarray)) else [given] * lanes
     if len(entries) != lanes:
         raise ValueError(f"{name} has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
@@ -231,14 +231,14 @@ def _by_lane(name: str, given: object, lanes: int) -> list[Any]:
 
 
 class Lane:
-    """One lane as a single environment, with the lane's attributes and the attributes of the whole vector."""
+    """A view of one lane as a single environment; attributes that a lane lacks come from the vector."""
 
     def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
         self._env, self._index = env, index
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
-            # Copies ask for such names before there is a vector.
+            # Copying looks up such names before the attribute `_env` exists.
             raise AttributeError(f"a lane has no {name!r}")
         if name in ("observation_space", "action_space"):
             return getattr(self._env, f"single_{name}")
@@ -250,22 +250,22 @@ class Lane:
 
     @property
     def simulation(self) -> Simulation:
-        """Simulation of the lane, as in a single environment."""
+        """Simulation of the lane's present episode, as in a single environment."""
         return self._env.episodes.batch.simulations[self._index]
 
     @property
     def episode_parameters(self) -> ArrayParameters:
-        """Parameters of the present episode."""
+        """Array parameters of the lane's present episode, after the random draw and the changes by reset options."""
         return self._env.episodes.parameters[self._index]
 
     def save_episode(self) -> SavedEpisode:
-        """Return the present episode; `restore_episode` goes on with it, here or in a lane of an equal vector."""
+        """Return a copy of the present episode; `restore_episode` continues the copy here or in an equal vector."""
         if self._env.episodes.terminated[self._index]:
             raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
         return self._env.episodes.save(self._index)
 
     def restore_episode(self, saved: SavedEpisode) -> NDArray[np.float32]:
-        """Go on with a saved episode, see `Episodes.restore`; return the last observation (entries,)."""
+        """Continue a saved episode in this lane, see `Episodes.restore`; return its last observation (entries,)."""
         env, lane = self._env, self._index
         env.episodes.restore(lane, saved)
         env._ended[lane] = False
@@ -273,5 +273,5 @@ class Lane:
         return env.episodes.observations[lane].copy()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Draw the present state; (540, 960, 3) uint8."""
+        """Draw the lane's present state as a frame (540, 960, 3) uint8."""
         return self._env.episodes.render(self._index)

@@ -1,7 +1,7 @@
-"""Ask how hard the hinges of a wing are hit, and how sure that is: APPLE's two wings, of published data.
+"""Find how hard the hinges of APPLE's two wings, an array from published data, are hit, and how sure the answer is.
 
-Impacts are chaotic, so that one run says little: an ensemble is drawn from the tolerances of the file. It runs at a
-level of the model and at the finest one, whose mean difference is the discretisation error.
+Impacts are chaotic, so that one run says little: an ensemble is drawn from the tolerances in the array's file. The
+ensemble runs at a model level and at the finest one. The mean difference of both levels is the discretisation error.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""Land an array by a controller of your own: cruise, then slow down as the root hinge approaches its lock.
+"""Land an array by a controller of your own: cruise, then slow down as the root hinge approaches its lock angle.
 
-A rate proportional to the distance that is left, d' = -d / T, lets the distance decay exponentially. The action is the
-logarithm of the rate, which the drive follows with a lag: the controller looks ahead by a moment.
+A rate proportional to the remaining distance, d' = -d / T, lets the distance decay exponentially. The action is the
+logarithm of the rate. The drive follows with a lag, so that the controller looks ahead by 2.4 s.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""Judge drives by a reward of your own: a function of the figures before and after a step.
+"""Score constant actions by a reward of your own: a function of the figures before and after a step.
 
-A difference of potentials, phi(after) - phi(before), adds up to phi(end) - phi(start) over an episode: it shows the way
-without changing which policy is best (A. Y. Ng, D. Harada and S. Russell, ICML 1999, 278-287).
+A difference of potentials, phi(after) - phi(before), adds up to phi(end) - phi(start) over an episode: it guides
+learning without changing which policy is best (A. Y. Ng, D. Harada and S. Russell, ICML 1999, 278-287).
 """
 
 import sys
@@ -15,7 +15,7 @@ import solar_env  # noqa: F401 (registers the environments)
 
 
 def opening_less_wear(before: Mapping[str, float], after: Mapping[str, float]) -> float:
-    """Return the way opened, in lock angles, less the sliding work in units of 5 mJ."""
+    """Return the opening gained in a step, in lock angles, minus the sliding work in units of 5 mJ."""
     worn, opened = (after[name] - before[name] for name in ("wear", "opening"))
     return opened - worn / 5e-3
 

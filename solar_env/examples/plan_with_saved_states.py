@@ -1,7 +1,7 @@
-"""Plan with saved states: try torques from where the array is to the end of the episode, take the best, and go on.
+"""Plan with saved states: simulate torques from the present state to the end of the episode, apply the best, repeat.
 
-Copies of an episode share everything that follows, the noise to come included. Receding-horizon control with the
-simulator itself as the model shows what no controller can beat by knowing more.
+Copies of an episode share everything that follows, including the noise to come. With the simulator itself as the
+model, receding-horizon control lacks no knowledge: no controller can beat it by knowing more.
 """
 
 import sys
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import solar_env  # noqa: F401 (registers the environments)
 
 CANDIDATES = np.linspace(-1.0, 1.0, 9, dtype=np.float32)[:, np.newaxis]  # torques in units of the limit
-HOLD = 10  # control periods for which a torque is held, before the springs are left alone
+HOLD = 10  # control periods for which a torque is held, before the torque is zero
 
 env = gymnasium.make("solar_env/Deploy-v1")
 env.reset(seed=0)

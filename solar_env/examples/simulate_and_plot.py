@@ -1,7 +1,7 @@
-"""Simulate a deployment with two clearances, and plot how the penetration depth grows with the impact speed.
+"""Simulate a deployment with two clearances, and plot how the peak contact force grows with the impact speed.
 
-In an impact of Hertz's law the kinetic energy m v^2 / 2 becomes the elastic energy 2/5 K depth^(5/2), so that the peak
-force K depth^(3/2) grows as v^(6/5): the straight line in the picture.
+In a Hertzian impact the kinetic energy m v^2 / 2 becomes the elastic energy 2/5 K depth^(5/2). The peak force
+K depth^(3/2) therefore grows as v^(6/5), which is the straight line in the picture.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""Roll out 128 arrays at once, and see how the landing depends on a constant action.
+"""Roll out 128 arrays at once, and plot how the return depends on a constant action.
 
-Lane i of the vector environment gives what a single environment gives with seed i, to the last bit. All lanes advance
-in one compiled call, and a lane full of impacts does not keep the others waiting.
+Environment i of the vector gives the results of a single environment with seed i, to the last bit. All environments
+advance in one compiled call, and an environment with many impacts does not keep the others waiting.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Films as GIF or MP4."""
+"""Writers of films as GIF or MP4."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,12 +14,12 @@ CAPTION, FRAMES_PER_SECOND = 28, 10.0  # height of a caption [pixels], and frame
 
 
 def write_gif(images: Sequence[Image.Image], path: Path, rate: float) -> None:
-    """Write images as a GIF that plays for ever, at `rate` images per second; whole or not at all.
+    """Write images atomically as a GIF that plays for ever, at `rate` images per second.
 
     Raises:
         OSError: the file cannot be written.
     """
-    # The usual choice of 64 colours goes by area, and loses the small arrows of forces; an octree keeps them.
+    # The usual choice of 64 colours goes by area and loses the small force arrows; an octree keeps small areas.
     few = [image.convert("RGB").quantize(64, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE) for image in images]
     timing = {"duration": round(1000 / rate), "loop": 0}
     with writing(path) as file:
@@ -27,7 +27,7 @@ def write_gif(images: Sequence[Image.Image], path: Path, rate: float) -> None:
 
 
 def captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
-    """Return a frame in the film's width, under a name."""
+    """Scale a frame to a width [pixels], and write a name above the frame."""
     image = Image.fromarray(frame)
     height = round(width * image.height / image.width)
     shown = Image.new("RGB", (width, CAPTION + height), "white")
@@ -37,7 +37,7 @@ def captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
 
 
 def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
-    """Write films as one film, one above the other; a film that ends first stays on its last frame."""
+    """Write films above one another as one film; a film that ends first stays on its last frame."""
     width, height = films[0][0].size
     frames = []
     for k in range(max(map(len, films))):
@@ -59,7 +59,7 @@ def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
 
 
 def encoder() -> ModuleType:
-    """Return the library that writes MP4; a library that is not installed raises a ValueError."""
+    """Return the library that writes MP4; raise a ValueError if the library is not installed."""
     try:
         import imageio_ffmpeg
     except ImportError as error:

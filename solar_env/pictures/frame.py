@@ -1,4 +1,4 @@
-"""Frames of a deployment, drawn without a display: the array, its bearings magnified, and the contact force."""
+"""Frames of a deployment, drawn without a display: the array, its magnified bearings, and the contact forces."""
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from solar_env.pictures.style import COLOURS, FORCE_DECADES
 Array = NDArray[np.float64]
 
 WIDTH, HEIGHT = 960, 540  # pixels of a frame
-MAX_BEARINGS = 3  # a frame has room for no more
+MAX_BEARINGS = 3  # most bearings in a frame, which has room for no more
 SUPERSAMPLING = 2
 LARGE, NORMAL, SMALL = 23.0, 15.0, 12.5  # sizes of type [pixels]
 INK, QUIET, GRID, CARD, PAPER = "#1d2733", "#66717f", "#e3e8ee", "#ffffff", "#e9edf2"
@@ -25,7 +25,7 @@ ARRAY_BOX, FORCE_BOX, BEARING_BOX = (18, 58, 610, 306), (62, 370, 602, 500), (64
 
 JOURNAL_SHARE = 0.72  # drawn journal radius / drawn bearing radius; the rest stands for the clearance
 # The spacecraft turns against the unfolding panels, by 2 degrees with one panel and 20 with eight.
-TILT, SWAY = math.radians(22.0), math.radians(3.0)  # room in the view for that turn, and against it
+TILT, SWAY = math.radians(22.0), math.radians(3.0)  # room in the view for this turn, and for a turn with the panels
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +41,11 @@ class Scene:
         clearance: radial clearance, (nj,) [m]; 0 for an ideal joint.
         in_contact: whether the journal presses on the bearing, (nj,) bool.
         normal_force: contact force, or joint force of an ideal joint, (nj,) [N].
-        latched: (nj,) bool.
+        latched: whether the joint has latched, (nj,) bool.
         motor_torques: torque of every motor [N m].
         force_times: instants of the force history, ascending, (n,) [s].
         force_history: forces at those instants, (n, nj) [N].
-        wings: number of wings, whose panels follow each other.
+        wings: number of wings; all panels of a wing precede the panels of the next wing.
     """
 
     time: float
@@ -83,7 +83,7 @@ class Canvas:
         self._pen.rounded_rectangle([SUPERSAMPLING * side for side in box], radius=8 * SUPERSAMPLING, fill=CARD)
 
     def disc(self, centre: ArrayLike, radius: float, colour: str) -> None:
-        """Fill a circle."""
+        """Fill a circle of a radius [pixels] round its centre."""
         self._pen.circle(_enlarged(np.reshape(centre, (1, 2)))[0], radius * SUPERSAMPLING, fill=colour)
 
     def arrow(self, tail: Array, tip: Array, colour: str, width: float) -> None:
@@ -98,7 +98,7 @@ class Canvas:
         self.polygon([tip, neck + across, neck - across], colour)
 
     def write(self, x: float, y: float, text: str, size: float = NORMAL, colour: str = INK, anchor: str = "ls") -> None:
-        """Write a text with its anchor, in Pillow's notation ("ls" is left on the baseline), at a point."""
+        """Write a text at a point; `anchor` is in Pillow's notation ("ls": the baseline begins at the point)."""
         at = (x * SUPERSAMPLING, y * SUPERSAMPLING)
         self._pen.text(at, text, fill=colour, font=_font(size * SUPERSAMPLING), anchor=anchor)
 
@@ -109,7 +109,7 @@ def _enlarged(points: ArrayLike) -> list[tuple[float, float]]:
 
 @cache
 def _font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return Pillow's typeface: ASCII and little more, but the same on every machine."""
+    """Return Pillow's typeface, which has ASCII and little more, but is the same on every machine."""
     return ImageFont.load_default(size)
 
 
@@ -144,24 +144,24 @@ class Renderer:
         return np.array(canvas.image.reduce(SUPERSAMPLING))
 
     def place(self, points: ArrayLike) -> Array:
-        """Return the pixels (..., 2) of points (..., 2) of the plane [m]."""
+        """Convert points (..., 2) of the plane [m] to pixels (..., 2) of the frame."""
         return self._middle + (np.asarray(points) - self._world_middle) * (self._scale, -self._scale)
 
     def bearing(self, joint: int) -> tuple[Array, float]:
-        """Return the centre (2,) and inner radius of a magnified bearing [pixels]."""
+        """Return the centre (2,) and inner radius [pixels] of a joint's magnified bearing."""
         left, top, right, bottom = BEARING_BOX
         share = (bottom - top) / max(self._shown, 2)
         outer = min(share - 10.0, right - left) / 2
         return np.array([left + outer, (top + bottom) / 2 + (joint - (self._shown - 1) / 2) * share]), 0.84 * outer
 
     def force_place(self, times: ArrayLike, forces: ArrayLike) -> Array:
-        """Return the pixels (..., 2) of forces [N] at times [s]; forces beyond the scale lie at its ends."""
+        """Convert forces [N] at times [s] to pixels (..., 2); forces beyond the scale lie at the ends of the scale."""
         left, top, right, bottom = FORCE_BOX
         x, y = np.broadcast_arrays(np.asarray(times) / self._duration, _force_share(forces))
         return np.stack([left + x * (right - left), bottom - y * (bottom - top)], axis=-1)
 
     def _label(self, canvas: Canvas, title: str) -> None:
-        """Write titles and scales, and draw the grid of the forces."""
+        """Write titles and scales of the frame, and draw the grid of the force chart."""
         canvas.write(28, 359, title)
         canvas.write(644, 37, "Bearings, clearance enlarged")
         for joint in range(self._shown):
@@ -197,21 +197,21 @@ class Renderer:
         canvas.write(600, 43, f"{int(np.sum(scene.latched))} of {len(scene.panels)} latched", anchor="rs")
 
     def _draw_forces(self, canvas: Canvas, scene: Scene) -> None:
-        """Draw the force of every joint up to now; logarithmic, so that impacts and quiet contact both show."""
+        """Draw every joint's force up to now on a logarithmic scale, where both impacts and quiet contact show."""
         canvas.line(self.force_place(scene.time, 10.0 ** np.array(FORCE_DECADES, dtype=float)), QUIET, 1)
         columns = self.force_place(scene.force_times, 1.0)[:, 0]
         starts = np.flatnonzero(np.diff(np.floor(columns), prepend=-np.inf))
         for joint, force in enumerate(scene.normal_force):
             colour = COLOURS[joint % len(COLOURS)]
             if len(starts) > 0:
-                # One point a pixel column, its largest force: impacts last less than a pixel.
+                # Draw the largest force of each pixel column: impacts last less than a pixel.
                 peaks = np.maximum.reduceat(scene.force_history[:, joint], starts)
                 canvas.line(self.force_place(scene.force_times[starts], peaks), colour, 1.5)
             if scene.in_contact[joint]:
                 canvas.disc(self.force_place(scene.time, force), 3.5, colour)
 
     def _draw_bearing(self, canvas: Canvas, scene: Scene, joint: int) -> None:
-        """Draw a bearing with its journal, the clearance enlarged, and the force; write the state."""
+        """Draw a bearing and its journal with enlarged clearance, and the contact force; write the joint's state."""
         centre, radius = self.bearing(joint)
         clearance, force = float(scene.clearance[joint]), float(scene.normal_force[joint])
         offset = np.zeros(2)
@@ -248,9 +248,9 @@ class Renderer:
 
 
 def _extent(folded: Scene) -> tuple[Array, Array]:
-    """Return lower left and upper right corner (2,) [m] of a view that holds the array from folded to deployed."""
+    """Return lower left and upper right corners (2,) [m] of a view that holds the array from folded to deployed."""
     centre, hinge = folded.main_body.mean(axis=0), folded.hinges[0]
-    dx, dy = folded.panels[0][-1] - folded.panels[0][0]  # along the side that folded panels hinge on
+    dx, dy = folded.panels[0][-1] - folded.panels[0][0]  # along the first folded panel and the body's side
     outward = np.array([-dy, dx]) / math.hypot(dx, dy)
     side = np.sign(outward @ (hinge - centre))
     reach = sum(float(np.sum(np.hypot(*np.diff(panel, axis=0).T))) for panel in folded.panels) / folded.wings
@@ -265,19 +265,19 @@ def _extent(folded: Scene) -> tuple[Array, Array]:
 
 
 def _force_share(forces: ArrayLike) -> Array:
-    """Return the place of forces [N] on the logarithmic scale, from 0 to 1."""
+    """Return the positions of forces [N] on the logarithmic scale, from 0 to 1."""
     low, high = FORCE_DECADES
     return (np.log10(np.clip(forces, 10.0**low, 10.0**high)) - low) / (high - low)
 
 
 def _tick_spacing(duration: float) -> float:
-    """Return the spacing [s] of four to ten round ticks."""
+    """Return the round spacing [s] that gives four to ten ticks in a duration [s]."""
     power = 10.0 ** math.floor(math.log10(duration / 8.0))
     return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= duration / 8.0)
 
 
 def _crosswise(segment: Array) -> Array:
-    """Return the four unit vectors (4, 2), y down, along and across the first segment of a polyline (k, 2), y up."""
+    """Return pixel vectors (4, 2), y down and of length 1, along and across a polyline's first segment (k, 2), y up."""
     dx, dy = segment[1] - segment[0]
     along, across = np.array([(dx, -dy), (dy, dx)]) / math.hypot(dx, dy)
     return np.array([along, across, -along, -across])

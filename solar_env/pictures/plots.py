@@ -17,22 +17,22 @@ if TYPE_CHECKING:
     from solar_env.mechanics.running.trajectory import Trajectory
 
 SUFFIXES = (".pdf", ".png", ".svg")
-HISTORY_WIDTH, BEARING_WIDTH = 7.4, 2.9  # of a column of axes with its labels [inch]
+HISTORY_WIDTH, BEARING_WIDTH = 7.4, 2.9  # widths of a column of axes with its labels [inch]
 STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "gravity")
 PUT_IN = ("motor_work", "cable_work", "external_work")
 DISSIPATED = ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
 
-# Colours of energies: stored, put in, dissipated in all, and dissipated in the panels' material.
+# Colours of energies: stored, put in, dissipated in total, and dissipated in the panels' material.
 ENERGY_COLOURS = (*COLOURS[:7], GREY, BROWN, VIOLET, "black", "black")
 
 
 def plot_deployment(trajectory: Trajectory, path: str | Path, deflections: NDArray[np.float64] | None = None) -> None:
     """Write one figure of a deployment: motion, forces, energies and wear.
 
-    Against time: angles with the latch times dotted, contact force of each joint (samples, and each contact's
-    peak as a stem; the joint force for an ideal joint), latch and cable torques, deflections of flexible panels,
-    energies and the residual of their balance. For each joint with clearance also the path of the journal in the
-    bearing and the wear round both surfaces.
+    Time histories show angles with dotted latch times, the contact force of each joint (samples, and each
+    contact's peak as a stem; the joint force for an ideal joint), latch and cable torques, deflections of flexible
+    panels, energies and the residual of the energy balance. Further axes show, for each joint with clearance, the
+    path of the journal in the bearing and the wear round both surfaces.
 
     Args:
         trajectory: the deployment, with any number of joints.
@@ -84,7 +84,7 @@ def _draw_histories(figure: Any, trajectory: Trajectory, deflections: NDArray[np
 
 
 def _conclusion(trajectory: Trajectory) -> str:
-    """Return a title: the model, the time of the last latching, and the greatest force after that."""
+    """Return the figure's title: the model, the time of the last latching, and the greatest force afterwards."""
     model = trajectory.metadata["model"]
     latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
     if len(latched) == 0:
@@ -104,7 +104,7 @@ def _draw_force(axis: Axes, trajectory: Trajectory, joint: int) -> None:
     contacts = trajectory.contacts[trajectory.contacts["joint"] == joint]
     kind = "contact" if trajectory.clearance[joint] > 0.0 else "joint"
     highest = max(float(np.max(samples)), float(np.max(contacts["peak_force"], initial=0.0))) or 1.0
-    # Six decades: impacts of hundreds of newtons and the quiet contact of tenths both show.
+    # Six decades show both impacts of hundreds of newtons and quiet contact of tenths.
     lowest = 1e-6 * highest
     axis.set(ylabel=f"{kind} force\njoint {joint + 1} [N]", yscale="log", ylim=(lowest, 2.0 * highest))
     stems = axis.vlines(contacts["start_s"], lowest, contacts["peak_force"], color=colour, linewidth=0.5)

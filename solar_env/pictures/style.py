@@ -1,8 +1,7 @@
-"""Style of all figures: the style sheet, and one fixed look for every joint, method, level, controller and
-class of a stability map.
+"""Style of all figures: style sheet, and a fixed look for each joint, method, level, controller and stability class.
 
-A look is colour, marker and line, as Matplotlib's `plot` takes them. Colours come from M. Okabe and K. Ito, Color
-Universal Design (2008), which colour-blind readers tell apart; a few more are added.
+A look is colour, marker and line style, as arguments of Matplotlib's `plot`. Colours come from M. Okabe and K. Ito,
+Color Universal Design (2008): colour-blind readers can distinguish them. A few more colours are added.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,8 +14,8 @@ SKY, ORANGE, OLIVE, GREY = "#56b4e9", "#e69f00", "#8a7f00", "#555555"
 BROWN, VIOLET, CRIMSON = "#7b4f2a", "#6a3d9a", "#b80058"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, SKY, ORANGE, OLIVE, GREY)  # joint i has colour i modulo 8
 FAINT, STEEL, SAND = "#c8ced6", "#7c8896", "#ddcc77"
-FORCE_DECADES = (-2, 3)  # exponents at the ends of the scale of forces [N], in frames and where pages compare
-STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may have in its type
+FORCE_DECADES = (-2, 3)  # powers of ten at the ends of the force scale [N], in frames and in comparisons
+STYLE: Any = {  # not dict[str, Any]: Matplotlib's type lists the allowed keys
     "font.size": 8,
     "axes.labelsize": 8,
     "axes.titlesize": 8.5,
@@ -34,8 +33,8 @@ STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may 
     "legend.fontsize": 7.5,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
-    "text.usetex": False,  # where the user's own style asks for LaTeX, which may be missing
-    "svg.hashsalt": "solar_env",  # without it the names inside an SVG differ from run to run
+    "text.usetex": False,  # in case the user's own style asks for LaTeX, which may be missing
+    "svg.hashsalt": "solar_env",  # without this salt, names inside an SVG differ from run to run
 }
 
 
@@ -54,7 +53,7 @@ METHOD_LOOKS: Mapping[str, Look] = {
     "Exudyn generalized-alpha": _look(ORANGE, "*", ":"),
     "Exudyn explicit": _look(BROWN, "<", ":"),
 }
-# The finer, the darker: beams blue, modes red; at tighter tolerances green and violet; rigid panels apart.
+# Finer levels are darker: beam elements blue, modes red, tighter tolerances violet; rigid panels are black.
 LEVEL_LOOKS: Mapping[str, Look] = {
     "rigid": _look("black", "s"),
     "1 element": _look("#b7d4ea", "o"),
@@ -73,7 +72,7 @@ LEVEL_LOOKS: Mapping[str, Look] = {
     "32 modes, rtol / 2": _look("#c9a0dc", "8"),
     "32 modes, rtol / 4": _look("#a06cc0", "1"),
     "48 modes, rtol / 10": _look(VIOLET, "2"),
-    # Looks of short plans.
+    # Looks of levels in short plans.
     "8 modes, rtol / 2": _look(PURPLE, "3"),
 }
 CONTROLLER_LOOKS: Mapping[str, Look] = {
@@ -90,8 +89,8 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "tqc": _look("#8c564b", "p"),
     "refined": _look("#d6278a", "D"),
 }
-# Classes of cells in stability maps, in the order of a legend. After P. Tol, "Colour schemes", SRON technical note 2021
-# (muted): told apart by colour-blind readers.
+# Colours of the classes in stability maps, in the order of a legend, after P. Tol, "Colour schemes", SRON technical
+# note 2021 (muted). Colour-blind readers can distinguish these colours.
 OUTCOME_COLOURS: Mapping[str, str] = {
     "fine": "#f2f4f6",
     "stiff": "#88ccee",
@@ -105,12 +104,12 @@ OUTCOME_COLOURS: Mapping[str, str] = {
     "blow-up": "#882255",
     "refused": "#9a9fa5",
 }
-# Looks of controllers without a row, such as training runs.
+# Looks of controllers that are not in `CONTROLLER_LOOKS`, such as training runs.
 _OTHERS = (_look("#ff5fa2", "h"), _look("#6b8e23", "2"), _look("#a05fff", "8"), _look("#3d3d8f", "4"))
 
 
 def look_of(name: str, looks: Mapping[str, Look]) -> Look:
-    """Return the look of a name in one of the tables of this module.
+    """Return the look of a name from a table of this module.
 
     Raises:
         ValueError: the table has no such name.
@@ -123,9 +122,9 @@ def look_of(name: str, looks: Mapping[str, Look]) -> Look:
 def controller_looks(names: Sequence[str]) -> dict[str, Look]:
     """Return the looks of the controllers of one figure.
 
-    A controller has its row of `CONTROLLER_LOOKS`. A controller named after another one ("cma-es-rigid") has the other
-    one's row, a search around another controller ("receding-horizon:servo") the search's row. If that row is taken, and
-    for training runs under other names, the controller has the next of some spare looks.
+    A controller has its look from `CONTROLLER_LOOKS`. A controller named after another one ("cma-es-rigid") has that
+    look, and a search around another controller ("receding-horizon:servo") has the look of the search. If the look is
+    taken, or if a training run has another name, the controller has the next of some spare looks.
     """
     looks = {name: CONTROLLER_LOOKS[name] for name in names if name in CONTROLLER_LOOKS}
     taken, spare = list(looks.values()), list(_OTHERS)

@@ -1,6 +1,6 @@
-"""Studies of speed, accuracy, stability and design: each measures, writes a table, and draws from that table alone.
+"""Studies of speed, accuracy, stability and design: each measures, writes a table, and draws from the table alone.
 
-A study is a folder with modules that measure and draw, a page `README.md` with the results, and `figures` beside
-it; its command is in `solar_env.commands`. `common` holds shared parts, `peers` the programs compared with;
-`precision` knows the methods by name. Studies import everything below and may import these three, but no other study.
+A study is a folder with modules that measure and draw, a results page `README.md`, and a folder `figures`. The study's
+command is in `solar_env.commands`. `common` holds shared parts, `peers` runs other programs for comparison, and
+`precision` lists the methods. Studies may import these three, but no other study; only `design` also imports `loads`.
 """

@@ -1,5 +1,5 @@
-"""Services of all rooms: files written whole, checks of names and values, many simulations at once, minimisation,
-progress bars, tables in a terminal, and the README pages.
+"""Services for all packages: atomic writing of files, checks of names and values, parallel simulations, minimisation,
+progress bars, tables in a terminal, and README pages.
 
-Imports nothing else of the package. A new module is about running or reporting, not about mechanics.
+These modules import nothing else from `solar_env`. They are about running and reporting, not about mechanics.
 """

@@ -1,6 +1,6 @@
-"""Many independent simulations: on several processes, and resumed where they were interrupted.
+"""Many independent simulations, run on several processes and resumed after an interruption.
 
-`each_done` hands simulations to joblib; a campaign is a set of simulations whose results a file keeps as they come.
+`each_done` hands simulations to joblib. A `Campaign` saves each result of a set of simulations to a file.
 """
 
 import hashlib
@@ -28,12 +28,12 @@ Cell = Mapping[str, Any]
 def each_done(
     function: Callable[[Task], Result], tasks: Iterable[Task], workers: int = 1
 ) -> Iterator[tuple[Task, Result]]:
-    """Call `function` for every task, and yield each task with its result as it is done.
+    """Call `function` for every task, and yield each task with its result when the call is done.
 
-    With one worker everything happens in this process and in order.
+    With one worker all calls happen in this process and in order.
 
     Args:
-        function: defined at the top of a module; the function and its results can be pickled.
+        function: function defined at the top of a module; the function and its results can be pickled.
         tasks: arguments of the function.
         workers: number of processes; -1 for one per processor.
 
@@ -55,17 +55,17 @@ def _with_task(function: Callable[[Task], Result], task: Task) -> tuple[Task, Re
 
 
 class Campaign:
-    """Cells of a map or of an ensemble, whose results are kept in a file of JSON lines.
+    """A set of simulations, such as a map or an ensemble, whose results are kept in a file of JSON lines.
 
-    The first line of the file says what made it: the function, its settings and a hash of the package's code. Results
-    that were made by anything else are refused, not mixed.
+    A cell holds the arguments of one simulation. The first line of the file records the function, its settings and a
+    hash of the package's code; a file with another first line is refused, so that results are never mixed.
 
     Args:
-        function: computes from a cell a result that JSON can store; defined at the top of a module.
-        cells: arguments of the function: mappings that JSON can store, no two alike.
+        function: function from a cell to a result that JSON can store, defined at the top of a module.
+        cells: arguments of the function, as mappings that JSON can store, no two alike.
         store: file of the results.
-        settings: everything else that the results depend on.
-        admits: returns whether a value in the file can be a result.
+        settings: everything else on which the results depend.
+        admits: function that returns whether a value in the file can be a result.
 
     Raises:
         ValueError: if the file belongs to another campaign or is damaged.
@@ -85,7 +85,7 @@ class Campaign:
         made_by = json.dumps({"function": name, "code": _code_digest(), "settings": settings or {}}, sort_keys=True)
         self._results: dict[str, Any] = {}
         kept = store.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True) if store.exists() else []
-        # An interruption may have cut the last line short: then its cell is done again.
+        # An interruption may have cut off the last line; the cell of that line is then computed again.
         whole = [line for line in kept if line.endswith("\n")] or [made_by + "\n"]
         if whole[0] != made_by + "\n":
             raise ValueError(f"{store} was made by other code or with other settings; delete it or choose another")
@@ -105,7 +105,7 @@ class Campaign:
 
     @property
     def missing(self) -> tuple[Cell, ...]:
-        """The cells that are not done, in their order."""
+        """Cells without a result, in their given order."""
         return tuple(cell for key, cell in self.cells.items() if key not in self._results)
 
     def run(self, workers: int = 1) -> Iterator[Cell]:
@@ -122,7 +122,7 @@ class Campaign:
                 yield cell
 
     def run_shown(self, workers: int, console: Console, cells: str) -> list[Any]:
-        """Compute the missing results under a bar with the text `cells`, and return the results of all cells."""
+        """Compute the missing results under a progress bar labelled `cells`, and return the results of all cells."""
         with counting_bar(console) as bar:
             task = bar.add_task(cells, total=len(self.cells), completed=len(self.cells) - len(self.missing))
             for _ in self.run(workers):
@@ -134,17 +134,17 @@ class Campaign:
         return f"kept {done} of {total} results in {self._store}; the same command goes on from there"
 
     def results(self) -> list[Any]:
-        """Return the results of all cells, in their order, once every cell is done."""
+        """Return the results of all cells, in the given order of cells; every cell must be done."""
         return [self._results[key] for key in self.cells]
 
     def result(self, cell: Cell) -> Any:
-        """Return the result of a cell that is done."""
+        """Return the stored result of a cell, which must be done."""
         return self._results[_key(cell)]
 
 
 @cache
 def _code_digest() -> str:
-    """Hash the package's sources and the versions of the libraries that compute for it."""
+    """Return a hash of the package's sources and of the versions of its numerical libraries."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.parent.rglob("*.py")):
         digest.update(path.read_bytes())

@@ -1,4 +1,4 @@
-"""Docstrings from the source: `python -OO` leaves them out, and an import may cost seconds."""
+"""Docstrings read from source files, since `python -OO` removes docstrings, and importing may take seconds."""
 
 import ast
 import importlib.util

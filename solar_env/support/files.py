@@ -1,7 +1,7 @@
-"""Writing files whole or not at all: every file of the project goes through `writing`.
+"""Atomic writing of files, wholly or not at all; all files of the project are written by `writing`.
 
-Content goes into a file beside the target, is brought to the disk, and takes the target's place in one operation of
-the file system. Whatever ends the process in between, a kill or a full disk, leaves what was there before.
+The content goes to a temporary file beside the target and is flushed to the disk. The temporary file then replaces the
+target in one file-system operation. If a kill or a full disk ends the process earlier, the old target remains.
 """
 
 import os
@@ -13,17 +13,17 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
-PART = ".part"  # end of the names of unfinished files and folders
+PART = ".part"  # suffix of unfinished files and folders
 
 
 @contextmanager
 def writing(path: str | Path) -> Iterator[IO[bytes]]:
-    """Open a binary file, to be written and read, that becomes `path` when the block ends without an exception.
+    """Open a binary file for writing and reading that replaces `path` when the block ends without an exception.
 
-    A link is followed. Anything but a regular file, such as `/dev/stdout`, is written directly.
+    A link is followed. A target that is not a regular file, such as `/dev/stdout`, is written directly.
 
     Raises:
-        OSError: the file cannot be written; what was at `path` is still there.
+        OSError: the file cannot be written; an old file at `path` remains.
     """
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
@@ -53,7 +53,7 @@ def _unfinished(target: Path) -> Path:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to the disk, where the system can."""
+    """Flush the names of a folder's files to the disk, if the system can."""
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:
@@ -63,27 +63,27 @@ def _sync_folder(folder: Path) -> None:
 
 
 def write_bytes(path: str | Path, content: bytes) -> None:
-    """Write a file whole or not at all; see `writing`."""
+    """Write bytes to a file, wholly or not at all; see `writing`."""
     with writing(path) as file:
         file.write(content)
 
 
 def write_text(path: str | Path, content: str) -> None:
-    """Write a file of UTF-8 whole or not at all; see `writing`."""
+    """Write a text to a file in UTF-8, wholly or not at all; see `writing`."""
     write_bytes(path, content.encode())
 
 
 def save_figure(figure: Any, path: str | Path, **options: object) -> None:
-    """Write a Matplotlib figure whole or not at all, in the format that the name ends in, with options of `savefig`."""
+    """Write a Matplotlib figure, wholly or not at all, in the format of the suffix, with options of `savefig`."""
     with writing(path) as file:
         figure.savefig(file, format=Path(path).suffix[1:].lower(), **options)
 
 
 def make_folder(path: str | Path) -> Path:
-    """Make a folder with its parents, and test that files can be written there; call this before the work.
+    """Make a folder with its parents, and check that files can be written in the folder; call this before computations.
 
     Raises:
-        OSError: it cannot be made, or no file can be written there.
+        OSError: the folder cannot be made, or no file can be written in it.
     """
     folder = Path(path)
     folder.mkdir(parents=True, exist_ok=True)
@@ -92,11 +92,11 @@ def make_folder(path: str | Path) -> Path:
 
 
 def check_target(path: str | Path, suffixes: Sequence[str] = ()) -> None:
-    """Check that a file can be written at `path`, with one of `suffixes`; call this before the work.
+    """Check that a file with one of `suffixes` can be written at `path`; call this before computations.
 
     Raises:
-        ValueError: the suffix is another one, the folder does not exist, or `path` is a folder.
-        OSError: no file can be written there, or the name is not allowed.
+        ValueError: the suffix is not among `suffixes`, the folder does not exist, or `path` is a folder.
+        OSError: no file can be written in the folder, or the name is not allowed.
     """
     target = Path(path)
     if suffixes and target.suffix.lower() not in suffixes:

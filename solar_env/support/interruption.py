@@ -1,4 +1,4 @@
-"""Ctrl-C: one line that says what was kept, and exit status 130, in every command."""
+"""Handling of Ctrl-C in every command: one line says which results were kept, and the exit status is 130."""
 
 import _thread
 import atexit
@@ -14,7 +14,7 @@ EXIT_STATUS = 130  # 128 + SIGINT, as shells have it
 
 @contextmanager
 def keeping(kept: Callable[[], str]) -> Iterator[None]:
-    """Add a note, which `kept` returns and which says what was kept, to a Ctrl-C or a full disk within the block."""
+    """Add the note that `kept` returns, about kept results, to a KeyboardInterrupt or OSError within the block."""
     try:
         yield
     except (KeyboardInterrupt, OSError) as stop:
@@ -23,8 +23,8 @@ def keeping(kept: Callable[[], str]) -> Iterator[None]:
 
 
 def report_interruption(stop: KeyboardInterrupt) -> int:
-    """Print the notes of an interruption, which say what was kept, in one line; return the exit status."""
-    # A second Ctrl-C must not disturb libraries, which end their processes when this one exits.
+    """Print an interruption's notes about kept results in one line on standard error; return the exit status."""
+    # A second Ctrl-C must not disturb libraries that end their own processes when this process exits.
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
     # On exit Python would collect all objects of PyTorch and the compiler once more, which takes seconds under load.
     atexit.register(gc.freeze)
@@ -34,7 +34,7 @@ def report_interruption(stop: KeyboardInterrupt) -> int:
 
 @contextmanager
 def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[None]:
-    """Answer Ctrl-C by `handler` within the block; only the main thread hears Ctrl-C, so other threads skip this."""
+    """Handle Ctrl-C by `handler` within the block; other threads than the main thread get no Ctrl-C and skip this."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -47,10 +47,10 @@ def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[Non
 
 @contextmanager
 def hearing() -> Iterator[None]:
-    """Let Ctrl-C end the block wherever it comes.
+    """Make sure that Ctrl-C ends the block by a KeyboardInterrupt, at any point of the block.
 
-    Where C code has called Python, as compilers do, the KeyboardInterrupt is lost. It is then raised again, and takes
-    the place of an error that the lost one has caused.
+    A KeyboardInterrupt is lost in Python code that C code has called, as compilers do. The interrupt is then raised
+    again, and replaces any error that its loss has caused.
     """
     heard: list[object] = []
     timers: list[threading.Timer] = []
@@ -83,25 +83,10 @@ def hearing() -> Iterator[None]:
 
 
 @contextmanager
-def deaf() -> Iterator[None]:
-    """Delay Ctrl-C to the end of the block, for work that must not be cut in two.
-
-    A mask of signals would not do: a mask is one thread's, and the system gives Ctrl-C to any other thread instead.
-    """
-    heard: list[object] = []
-    try:
-        with _answering(lambda *_: heard.append(True)):
-            yield
-    finally:
-        if heard:
-            signal.raise_signal(signal.SIGINT)
-
-
-@contextmanager
 def starting_workers() -> Iterator[None]:
-    """Let processes that start within the block ignore Ctrl-C for good.
+    """Make processes that start within the block ignore Ctrl-C permanently.
 
-    Ctrl-C reaches all processes of a terminal. The parent answers it, though not within the block.
+    Ctrl-C reaches all processes of a terminal, but only the parent should handle it; within the block no process does.
     """
     with _answering(signal.SIG_IGN):
         yield

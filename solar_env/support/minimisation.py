@@ -19,11 +19,11 @@ def minimise(
 ) -> list[np.ndarray]:
     """Minimise a noisy objective over the unit cube by CMA-ES (N. Hansen, 2016, arXiv:1604.00772).
 
-    `objective` maps the points of a generation to their costs; `points` is the budget, spent in whole generations, and
-    `spread` the standard deviation of the first one in each direction. Returns the start, the best point seen, and the
-    final mean of the search; a ValueError says that the budget holds no generation.
+    `objective` maps a generation of points to costs. `points` is the budget, spent in whole generations;
+    `spread` is the first generation's standard deviation in each direction. Return the start, the best point seen, and
+    the final mean of the search; a budget below one generation raises a ValueError.
     """
-    # By default pycma draws from NumPy's global generator, which a training run in between seeds anew.
+    # By default pycma draws from NumPy's global generator, which a training run during the search reseeds.
     normal = np.random.RandomState(seed + 1).randn
     options = {"bounds": [0, 1], "seed": np.nan, "randn": normal, "verbose": -9}
     search = cma.CMAEvolutionStrategy(start, spread, options)

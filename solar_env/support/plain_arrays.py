@@ -1,4 +1,4 @@
-"""Reading npz files and JSON from anywhere: nothing is executed or inflated unseen, every fault is a ValueError."""
+"""Safe reading of untrusted npz and JSON files: no code is executed, sizes are limited, faults raise a ValueError."""
 
 import json
 from collections.abc import Callable
@@ -15,11 +15,11 @@ _LONGEST_JSON = 2**24
 def read_arrays(
     path: str | Path, admits: Callable[[str], bool], most_bytes: int = MOST_BYTES
 ) -> dict[str, NDArray[Any]]:
-    """Read the arrays of an npz file.
+    """Read all arrays of an npz file, by name.
 
     Args:
         path: the npz file.
-        admits: returns whether an array of this name belongs in the file.
+        admits: function that returns whether an array with a given name belongs in the file.
         most_bytes: greatest size of all arrays together; larger files are not inflated.
 
     Raises:
@@ -55,7 +55,7 @@ def read_at_most(path: str | Path, most_bytes: int) -> bytes:
 
 
 def read_json(path: str | Path) -> Any:
-    """Read a JSON file.
+    """Read and parse a JSON file of limited size.
 
     Raises:
         OSError: the file cannot be read.
@@ -69,7 +69,7 @@ def read_json(path: str | Path) -> Any:
 
 
 def parse_json(content: str | bytes) -> Any:
-    """Parse JSON; a text that is no JSON, or is nested too deeply, raises a ValueError."""
+    """Parse a JSON text; a text that is not JSON, or is nested too deeply, raises a ValueError."""
     try:
         return json.loads(content)
     except (ValueError, RecursionError) as error:

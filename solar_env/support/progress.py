@@ -1,4 +1,4 @@
-"""Progress of a command, as a bar in a terminal and nothing in the log of a job; tables in a terminal."""
+"""Progress of a command, as a bar in a terminal but not in the log of a job; and tables in a terminal."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,11 +7,11 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-_NARROWEST = 140  # characters, where the output is not a terminal
+_NARROWEST = 140  # least width [characters] of output that is not a terminal
 
 
 def counting_bar(console: Console) -> Progress:
-    """Return a bar with the number of things done, the time taken and the present task; the bar vanishes at the end."""
+    """Return a progress bar with the count, the elapsed time and the present task; the bar vanishes at the end."""
     columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
     shown = console if console.is_interactive else Console(quiet=True)
     return Progress(*columns, console=shown, transient=True)
@@ -19,7 +19,7 @@ def counting_bar(console: Console) -> Progress:
 
 @contextmanager
 def stage(console: Console, text: str) -> Iterator[None]:
-    """Name a task that takes a while and cannot be counted: in a terminal while the task lasts, otherwise in a line."""
+    """Show the name of a long, uncountable task: in a terminal while the task lasts, otherwise by one printed line."""
     if not console.is_interactive:
         console.print(text, highlight=False, markup=False, soft_wrap=True)
     with console.status(text):

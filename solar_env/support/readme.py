@@ -1,4 +1,4 @@
-"""README pages of the studies: their folder, and the sections of the pages that commands write."""
+"""README pages of the studies: the folder of the studies, and the page sections that commands write."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,12 +11,12 @@ STUDIES = PACKAGE / "studies"
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page, between two lines of comment, that one command writes.
+    """A section of a page, between two comment lines, that one command writes.
 
     Attributes:
         page: the README.md file.
-        name: of the section, unique in its page.
-        command: the command that writes it.
+        name: name of the section, unique in the page.
+        command: command that writes the section.
     """
 
     page: Path
@@ -33,16 +33,16 @@ class Section:
         return before + begin, within.strip(), end + after
 
     def read(self) -> str:
-        """Return the section's text, without the lines of comment.
+        """Return the section's text, without the comment lines.
 
         Raises:
-            ValueError: the page lacks one of the lines of comment.
+            ValueError: the page lacks one of the two comment lines.
             OSError: the page cannot be read.
         """
         return self._split()[1]
 
     def write(self, text: str) -> None:
-        """Replace the section's text.
+        """Replace the section's text in the page.
 
         Raises:
             ValueError, OSError: as `read`, or the page cannot be written.

@@ -1,4 +1,4 @@
-"""Checks of names and values that users or files give, and the plain form of values."""
+"""Checks of names and values from users or files, and conversion of values to plain Python types."""
 
 import difflib
 import math
@@ -26,24 +26,24 @@ def is_number(value: Any) -> bool:
 
 
 def is_whole_number(value: object, least: int) -> bool:
-    """Return whether a value is a Python int, no bool, and not below `least`."""
+    """Return whether a value is a Python int of at least `least`; a bool does not count as an int."""
     return isinstance(value, int) and not isinstance(value, bool) and value >= least
 
 
 def plain(value: object) -> Any:
-    """Return a value with Python's types instead of NumPy's, and tuples instead of lists."""
+    """Return a value with Python types instead of NumPy types, and with tuples instead of lists."""
     if isinstance(value, (np.generic, np.ndarray)):
         value = value.tolist()
     return tuple(plain(entry) for entry in value) if isinstance(value, (list, tuple)) else value
 
 
 def check_types(record: Any) -> None:
-    """Check that the fields of a dataclass hold what their annotations say.
+    """Check that the fields of a dataclass hold values of their annotated types.
 
-    Whole numbers must not be negative, numbers be finite, and a tuple hold identifiers; a mapping may hold anything.
+    An int must not be negative, a float must be finite, and a tuple must hold identifiers. A mapping may hold anything.
 
     Raises:
-        ValueError: a field holds something else; the message names the field, its value and what to give.
+        ValueError: a field holds another value; the message names the field, its value and the expected type.
     """
     for name, annotation in get_type_hints(type(record)).items():
         kinds = get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
@@ -77,7 +77,7 @@ def check_name(kind: str, name: object, known: Iterable[str]) -> None:
 
 
 def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
-    """Return a sentence that a name is unknown, and that lists the known names that come close, or else all names."""
+    """Return an error sentence for an unknown name, with similar known names, or with all known names otherwise."""
     names = list(known)
     close = difflib.get_close_matches(str(name), names, n=2)
     hint = f"did you mean {' or '.join(map(repr, close))}?" if close else f"choose from {', '.join(names)}"
@@ -88,7 +88,7 @@ def changed(kind: str, values: Values, changes: Mapping[str, object]) -> Values:
     """Return a copy of a dataclass with some fields changed; the dataclass's checks refuse bad values.
 
     Raises:
-        ValueError: if the changes are no mapping, a name is unknown (`kind` says of what), or a value is refused.
+        ValueError: if the changes are no mapping, a name is unknown (`kind` says what it names), or a value is refused.
     """
     if not isinstance(changes, Mapping):
         raise ValueError(f"{kind}: {changes!r} must be a mapping of names to values")

@@ -1,11 +1,10 @@
 """Verification of the engine: cases whose answers are known from theory or literature.
 
-A case yields checks: a number from the engine beside its expected value. Expected values share no code with the
-engine. They are closed forms, quadratures, or other formulations of the same mechanism integrated by SciPy; the
-longer ones stand in modules named `*_theory`. Tolerances follow from the digits of a source, or from an integrator's
-tolerance and order.
+A case yields checks. A check is a number from the engine beside its expected value. Expected values share no code with
+the engine: they are closed forms, quadratures, or other formulations of the same mechanism that SciPy integrates. Long
+derivations are in modules named `theory` or `*_theory`. Tolerances follow from the digits of a source, or from the
+tolerance and order of an integrator.
 
-Cases lie in the folder of their subject: `impacts`, `linkages` and `beams` know nothing of each other, `arrays` and
-`panels` may use their theory. They import `array` and `mechanics`. A new case is a generator of `Check`
-and a row of `CASES` in `suite`.
+A case is in the folder of its subject. `impacts`, `linkages` and `beams` do not import each other; `arrays` and
+`panels` may use their theory. To add a case, write a generator of `Check` and add it to `CASES` in `suite`.
 """

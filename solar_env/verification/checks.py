@@ -1,4 +1,4 @@
-"""Checks: a number of a verification case beside its expected value; many of them as a table and as JSON."""
+"""Checks: numbers of verification cases beside their expected values, with output as a table and as JSON."""
 
 import json
 import math
@@ -20,12 +20,12 @@ class Check:
 
     Attributes:
         quantity: name of the number, with its unit.
-        expected: from theory, an independent calculation or a publication.
-        obtained: from the engine.
+        expected: number from theory, an independent calculation or a publication.
+        obtained: number from the engine.
         tolerance: greatest error that passes; absolute in the quantity's unit, or relative to `expected`.
         source: where `expected` comes from.
         relative: whether error and tolerance are relative.
-        case: name of the case that it belongs to, set where cases are run.
+        case: name of the case that yields the check, which `suite.run` sets.
     """
 
     quantity: str
@@ -38,7 +38,7 @@ class Check:
 
     @property
     def error(self) -> float:
-        """Distance of obtained from expected, in the measure of the tolerance."""
+        """Distance of `obtained` from `expected`, divided by the absolute expected value if `relative`."""
         distance = abs(self.obtained - self.expected)
         return distance / abs(self.expected) if self.relative else distance
 
@@ -51,10 +51,10 @@ class Check:
 def compare(
     figures: Iterable[tuple[Any, ...]], quantity: str, tolerance: float | None, source: str, relative: bool = False
 ) -> Iterator[Check]:
-    """Yield checks that have a source in common.
+    """Yield one check for each of several figures that have a source in common.
 
     Args:
-        figures: name, expected and obtained number of each check, and its tolerance where `tolerance` is None.
+        figures: name, expected and obtained number of each check, and a tolerance if `tolerance` is None.
         quantity: quantity of all checks, with {} for the name.
         tolerance, source, relative: see `Check`.
     """
@@ -64,7 +64,7 @@ def compare(
 
 
 def make_table(checks: Sequence[Check]) -> Table:
-    """Return the table for a terminal: a line for every check, under headings for every case and every source."""
+    """Make a table for a terminal, with a line for every check and headings for cases and sources."""
     failed = sum(not check.passed for check in checks)
     title = f"{len(checks)} checks, {failed} failed" if failed else f"{len(checks)} checks, all passed"
     table = Table(title=title, caption="r: relative to the expected value", title_justify="left", box=box.SIMPLE)
@@ -94,7 +94,7 @@ def make_table(checks: Sequence[Check]) -> Table:
 
 
 def to_json(checks: Sequence[Check]) -> str:
-    """Return JSON that says whether all passed, with every check as an object; numbers not finite become null."""
+    """Write checks as JSON objects, and whether all checks passed; numbers that are not finite become null."""
     rows = []
     for check in checks:
         row = {**vars(check), "error": check.error, "passed": check.passed}

@@ -1,4 +1,4 @@
-"""Table of the cases by name, and running one."""
+"""Table of the verification cases by name, and the function that runs a case."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -56,7 +56,7 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
 
 
 def run(name: str) -> list[Check]:
-    """Run a case.
+    """Run a verification case, and return its checks.
 
     Args:
         name: a key of CASES.

@@ -106,8 +106,13 @@ def test_ladder_tells_the_cheapest_level_of_a_question_and_measures_nothing(caps
 
 def test_the_page_shows_the_levels_that_the_table_of_the_package_gives():
     assert SECTION.read() == choices(read_answers())
-    for row in choices(LEVELS).splitlines()[2:]:
-        _, _, tolerance, level, _, _ = (cell.strip() for cell in row.split("|"))
-        question = "latch-time" if "latch-time" in row else "wear"
-        chosen = cheapest(LEVELS, question, float(tolerance.removesuffix(" %")) / 100.0)
-        assert chosen.level == level.replace("`", "")
+    header, _, *rows = ([cell.strip() for cell in row.split("|")[1:-1]] for row in choices(LEVELS).splitlines())
+    assert header[2:] == list(QUESTIONS)
+    told = {
+        (question, row[0].strip("`"), float(cell.removesuffix(" %")) / 100.0)
+        for row in rows
+        for question, cell in zip(QUESTIONS, row[2:], strict=True)
+        if cell
+    }
+    assert len(told) == 4
+    assert all(cheapest(LEVELS, question, tolerance).level == level for question, level, tolerance in told)

@@ -83,7 +83,7 @@ REFUSED = (
     # What contradicts a value that the file leaves out.
     ("body_mass = 900\njournal_radius = 1e-4", "clearance = 0.0002 must be below journal_radius"),
     ("body_mass = 900\nfriction_speed_full = 1e-5", "friction_speed_zero = 0.0001 must be below"),
-    ("body_mass = 900\ncontact_law = 'pereira'", "contact_stiffness = 73900000000.0 is that of spheres"),
+    ("body_mass = 900\ncontact_law = 'pereira'", "contact_stiffness = 73900000000.0 holds for spheres"),
     # What is no file of parameters.
     ("body_mass = \nbody_inertia = 1", "is no TOML"),
     (b"\xfe", "is no TOML: 'utf-8' codec"),

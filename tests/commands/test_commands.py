@@ -146,7 +146,6 @@ def test_warmup_names_every_model_and_environment(capsys, monkeypatch):
 
 @pytest.mark.slow
 def test_figures_draws_every_picture(tmp_path, monkeypatch):
-    monkeypatch.setattr(figures, "FRAME_TIME", 0.5)
     assert main(["study", "figures", "--out", str(tmp_path / "new")]) == 0
     assert {path.name for path in (tmp_path / "new").iterdir()} == {path.name for path in figures.PICTURES}
     assert all(path.is_file() for path in figures.PICTURES), "those of the pages"

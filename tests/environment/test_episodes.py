@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from deployments import LEVELS
 from episodes import LATE_ROOT, STRONG, deploy, main_body_spin, make
+from scipy.optimize import brentq
 
 from solar_env.mechanics.arrays.model import SLIDING_WORK, joint_integrals
 
@@ -59,6 +60,14 @@ def test_the_energy_residual_of_an_episode_is_that_of_its_simulation():
         *_, over, _, info = env.step([0.0])
     assert info["deployment"]["energy_residual_J"] == env.simulation.energy_residual()
     assert info["deployment"]["energy_residual_J"] == pytest.approx(-falsified, rel=0.1)
+
+
+def test_the_latch_torque_of_a_lone_panel_is_that_at_which_spring_and_undamped_latch_have_taken_its_energy():
+    changes = {"panel_count": 1, "body_fixed": True, "spring_preload_angle": 2.5, "latch_damping": 0.0}
+    _, _, info = deploy(make("rigid-ideal", parameters=changes, settling_window=0.5))
+    met = math.pi / 2 + 0.01
+    angle = brentq(lambda x: 0.05 * x * (5.0 - x) - 500.0 * (x - met) ** 2, met, met + 0.1)
+    assert info["deployment"]["peak_latch_torque_Nm"] == [pytest.approx(1e3 * (angle - met), rel=1e-3)]
 
 
 def test_nothing_counts_as_after_the_latching_where_none_has_latched():

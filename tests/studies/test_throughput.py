@@ -110,11 +110,12 @@ def test_more_threads_that_are_quicker_scale_by_more_than_one(monkeypatch):
     assert step_rates.measure_threads(MODEL) == {"threads": 3.2}
 
 
-def test_the_table_holds_every_figure():
+def test_the_tables_hold_every_figure():
     rates = {str(lanes): 1000.0 * lanes for lanes in step_rates.LANES}
     others = {"threads": 1.93, "compiled": 0.9, "SyncVectorEnv": 2.5, "SubprocVecEnv": 3.5}
     text = as_markdown({MODEL: rates | others})
-    assert "| 1,000 | 2,000 | 16,000 | 64,000 | 256,000 | 1.93 | 90.0% | 2.50 | 3.50 |" in text
+    assert "| 1,000 | 2,000 | 16,000 | 64,000 | 256,000 |" in text
+    assert "| 1.93 | 90.0% | 2.50 | 3.50 |" in text
 
 
 def test_the_command_prints_and_writes_its_table(brief, monkeypatch, tmp_path, capsys):

@@ -7,7 +7,6 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
@@ -70,25 +69,6 @@ def test_ctrl_c_where_c_has_called_python_is_heard(afterwards, capsys):
         work()
     assert capsys.readouterr().err == ""
     assert sys.unraisablehook is usual
-
-
-def test_what_must_not_be_torn_hears_ctrl_c_at_its_end_with_other_threads_about():
-    done = []
-
-    @interruption.deaf()
-    def work():
-        for _ in range(20):
-            os.kill(os.getpid(), signal.SIGINT)
-            time.sleep(0.01)
-        done.append("whole")
-
-    end = threading.Event()
-    other = threading.Thread(target=end.wait)
-    other.start()
-    with pytest.raises(KeyboardInterrupt):
-        work()
-    end.set()
-    assert done == ["whole"]
 
 
 def stop_at_three(cell):

@@ -1,1 +1,1 @@
-"""Studies of the pages on controllers: rows of `solar-env study`, as in `solar_env.commands.studies`."""
+"""Commands of `solar-env study` that make the pages on controllers, as in `solar_env.commands.studies`."""

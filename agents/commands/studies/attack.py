@@ -1,4 +1,4 @@
-"""`solar-env study attack-on-reward`: a search for actions that the reward pays without a soft landing."""
+"""`solar-env study attack-on-reward`: a search for actions that earn a high return without a soft landing."""
 
 import json
 import math
@@ -17,11 +17,11 @@ from solar_env.environment.episodes import Info
 from solar_env.environment.task.task import Task
 from solar_env.support.minimisation import minimise
 
-# A profile has numbers in [0, 1]: `KNOTS` actions and then, for the time before and the time after the first latch, the
-# chatter's share of the greatest action, its half-period and its phase.
+# A profile is numbers in [0, 1]: `KNOTS` actions, and then, once for the time before the first latch and once for the
+# time after, a chatter's amplitude as a fraction of the greatest action, its half-period and its phase.
 KNOTS = 30
 NUMBERS = KNOTS + 2 * 3
-LONGEST_HALF_PERIOD = 4  # control periods
+LONGEST_HALF_PERIOD = 4  # longest half-period of a chatter [control periods]
 
 OPTIONS = ("quick", "out")
 SEED = 0  # seed of the search and of its episodes
@@ -31,9 +31,9 @@ FILE = "attack.json"
 
 
 def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: Task) -> np.ndarray:
-    """Return the actions (lanes,) of profiles (lanes, NUMBERS) at times (lanes,) [s].
+    """Return the actions (n,) of profiles (n, NUMBERS) at times (n,) [s], one for each environment of a batch.
 
-    `latched` (lanes,) is true where a joint has latched.
+    `latched` (n,) is true where a joint has latched.
     """
     knots = np.linspace(0.0, task.deadline, KNOTS)
     steady = np.array([np.interp(t, knots, 2.0 * of[:KNOTS] - 1.0) for t, of in zip(times, profiles, strict=True)])
@@ -45,12 +45,12 @@ def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: 
 
 
 def passive_profile() -> np.ndarray:
-    """Return the profile (NUMBERS,) of actions of 0, without chatter, at half-periods of one."""
+    """Return the profile (NUMBERS,) of zero actions without chatter, with half-periods of one control period."""
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 
 def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[Info]:
-    """Run an episode of each profile, at most one per lane; return "return" and the figures of `info["deployment"]`."""
+    """Run an episode of each profile, at most one per environment; return "return" and `info["deployment"]` of each."""
     env, idle = env.unwrapped, env.num_envs - len(profiles)
     given = np.stack([*profiles, *[passive_profile()] * idle])
     env.reset(seed=[*seeds, *[0] * idle])
@@ -68,9 +68,9 @@ def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) 
 
 
 def run(args: Args) -> int:
-    """Search by CMA-ES, from actions of 0, for the profiles of chattering actions that the reward pays best."""
+    """Search by CMA-ES, from zero actions, for chattering action profiles with the highest return, and record them."""
     folder, _ = args.folders("attack-on-reward")
-    lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
+    lanes = 4 + math.floor(3 * math.log(NUMBERS))  # number of candidates in pycma's generations
     keywords = {**with_sampling(KEYWORDS), "autoreset_mode": AutoresetMode.DISABLED}
     with closing(gymnasium.make_vec(DEFAULT_ENV_ID, lanes, **keywords)) as env:
         used = 0

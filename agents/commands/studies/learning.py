@@ -1,4 +1,4 @@
-"""`solar-env study learning`: learning curves of stock agents and of a search, over several seeds, beside laws."""
+"""`solar-env study learning`: learning curves of stock algorithms and a search over weights, beside torque laws."""
 
 import math
 import time
@@ -25,8 +25,8 @@ LAWS = ("pd", "soft-start", "servo")
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 FIGURES = Path(__file__).parents[2] / "learning" / "figures"  # for the page agents/learning/README.md
 SEEDS = (0, 1, 2, 3, 4)
-# Environments by scene; then, by algorithm, the steps and the number of environments stepped together: a quarter of an
-# hour of a core with rigid panels, an hour with flexible panels.
+# `SCENES` holds environments by scene, `LENGTHS` steps and number of environments stepped together by algorithm. A run
+# takes a quarter of an hour of a core with rigid panels, an hour with flexible panels.
 SCENES: dict[str, tuple[str, Keywords]] = {
     "rigid": (DEPLOY, dict(RIGID)),
     "rigid-randomised": (DEPLOY_RANDOMISED, dict(RIGID)),
@@ -37,15 +37,15 @@ LENGTHS = {"ppo": (100_000, 1), "sac": (30_000, 1), "tqc": (30_000, 1), "ars": (
 REFINED, BEFORE = "refined", "ppo"  # CMA-ES over the last layer of the best policy of each run of PPO
 LENGTHS[REFINED] = (60_000, 16)
 CASES = {f"{algo}-{scene}": (algo, scene) for algo in LENGTHS for scene in SCENES}
-QUICK_TIMESTEPS = 4096  # steps of the one seed of a quick run
-EPISODES = 20  # episodes of a law
+QUICK_TIMESTEPS = 4096  # steps of a quick run, which has one seed
+EPISODES = 20  # evaluation episodes of a torque law
 PACE = "seconds_per_step.json"  # file of a run folder, written when the run has ended
 
 
 def run(args: Args) -> int:
     """Train agents over five seeds and draw all learning curves; finished runs are not trained again.
 
-    If the folder lacks a curve's runs, because others trained them, the curve stays as in the table.
+    A curve stays as in the table if the folder lacks its runs, for example because others trained them.
     """
     cases = args.parts(list(CASES))
     out, figures = args.folders("learning", figures=FIGURES)
@@ -78,19 +78,19 @@ def _train_missing(args: Args, cases: list[str], out: Path) -> None:
     missing = {folder: config for folder, config in wanted.items() if not (folder / PACE).is_file()}
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         task = bar.add_task("runs", total=len(wanted), completed=len(wanted) - len(missing))
-        for refined in (False, True):  # refined runs begin with the policies of others
+        for refined in (False, True):  # refined runs begin with the policies of other runs
             todo = [run for run in missing.items() if run[0].name.startswith(REFINED) == refined]
             for _ in each_done(_train, todo, args.workers):
                 bar.advance(task)
 
 
 def _folder(out: Path, algo: str, scene: str, seed: int) -> Path:
-    """Return the run folder of an algorithm's seed in a scene."""
+    """Return the run folder of an algorithm, a scene and a seed."""
     return out / f"{algo}-{scene}-{seed}"
 
 
 def _train(run: tuple[Path, runs.Configuration]) -> None:
-    """Train the missing steps of a run, and record the seconds of a core per step."""
+    """Train the missing steps of a run, and record the core seconds per step."""
     folder, config = run
     done, began = _steps(folder), time.process_time()
     train(config, folder, config.timesteps, progress=False)
@@ -98,12 +98,12 @@ def _train(run: tuple[Path, runs.Configuration]) -> None:
 
 
 def _steps(folder: Path) -> int:
-    """Return the steps of a run's last validation; 0 without a validation."""
+    """Return the environment steps up to a run's last validation; 0 without a validation."""
     return int(runs.read_evaluations(folder)["timesteps"][-1]) if (folder / runs.EVALUATIONS).is_file() else 0
 
 
 def _rows(args: Args, out: Path) -> Iterator[Row]:
-    """Yield a row for each validation of each existing run, and a row without steps for each law."""
+    """Yield a table row for each validation of each finished run, and a row without steps for each torque law."""
     for scene, (env_id, keywords) in SCENES.items():
         folders = [(algo, seed, _folder(out, algo, scene, seed)) for algo in LENGTHS for seed in SEEDS]
         trained = [(algo, seed, folder) for algo, seed, folder in folders if (folder / PACE).is_file()]
@@ -129,7 +129,7 @@ def _row(
 
 
 def panels(table: Table) -> dict[str, Panel]:
-    """Read, for each scene, the curves by algorithm, one for each seed, and the returns by law."""
+    """Read a table into panels by scene, each with learning curves by algorithm and seed, and returns by torque law."""
     found = {}
     for scene in map(str, table.values("scene")):
         of_scene = table.where(scene=scene)

@@ -1,7 +1,7 @@
-"""Values that a parameter of the array takes: its row, and checks that follow from the row or from several parameters.
+"""Checks of the array's parameters: each against its `Row` of allowed values, and several against each other.
 
-Bad values are refused by name, value and rule. A value that no spacecraft has, most likely a slip of units, causes a
-warning before anything is simulated.
+An error names the parameter, the bad value and the rule. A value that no spacecraft has, most likely given in a wrong
+unit, causes a warning before anything is simulated.
 """
 
 import math
@@ -14,15 +14,15 @@ from solar_env.mechanics.numerics.checks import check_table
 from solar_env.mechanics.running.diagnosis import SimulationWarning, restitution_text, warn
 from solar_env.support.values import is_number
 
-ArrayParameters = Any  # of `parameters`, which imports this module
+ArrayParameters = Any  # the class in module `parameters`, which imports this module
 
 
 class UnitWarning(SimulationWarning):
-    """Warning that a parameter was probably given in another unit, or changes nothing beside another parameter."""
+    """Warning that a parameter was probably given in a wrong unit, or has no effect because of another parameter."""
 
 
 class Rule(NamedTuple):
-    """Least and greatest value of a parameter, and the rule in words."""
+    """Least and greatest allowed value of a parameter, and the text of this rule for error messages."""
 
     least: float
     greatest: float
@@ -30,7 +30,7 @@ class Rule(NamedTuple):
 
 
 class Usual(NamedTuple):
-    """Magnitudes that a parameter has on spacecraft, 0 included; its unit, and units that users give by mistake."""
+    """Usual magnitudes of a parameter on spacecraft, its unit, and wrong units that users give; 0 is always usual."""
 
     low: float
     high: float
@@ -39,9 +39,9 @@ class Usual(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A parameter's properties beside its default; `among` are the texts that it may be; a `table` has rows of numbers.
+    """Properties of a parameter apart from its default; `among` lists the allowed texts, a `table` has rows of numbers.
 
-    A quantity by joint may differ from joint to joint; a quantity drawn by joint differs even within a single range.
+    A value `by_joint` may differ between joints. With `drawn_by_joint`, a single range gives each joint its own draw.
     """
 
     rule: Rule
@@ -53,14 +53,14 @@ class Row(NamedTuple):
     table: bool = False
 
 
-# Bodies and joints are made of products of several parameters, which must stay within the range of floating-point
-# numbers. Where 0 is allowed, a value below 1e-20 is as good as 0.
+# Bodies and joints have properties that are products of several parameters; these bounds keep the products within the
+# range of floating-point numbers. Where 0 is allowed, a value below 1e-20 acts like 0.
 ANY = Rule(-1e20, 1e20, "must be at most 1e+20, in magnitude")
 POSITIVE = Rule(1e-20, 1e20, "must be positive, at least 1e-20")
 NOT_NEGATIVE = Rule(0.0, 1e20, "must not be negative")
 AT_LEAST_ONE = Rule(1.0, 1e20, "must be at least 1")
 OPENING_TO_X = Rule(0.0, 1e20, "must not be negative: the panels open towards +x")
-_ROUNDED = 2e-3  # rad, by which an angle may miss a multiple of pi that it was rounded from
+_ROUNDED = 2e-3  # rad, rounding error that an angle given for a multiple of pi may have
 _TURN = 2.0 * math.pi + _ROUNDED
 TURN = Rule(-_TURN, _TURN, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
 FOLD = Rule(0.1, 1.9 * math.pi, "must lie between 0.1 and 1.9 pi: it is in radians, not in degrees")
@@ -83,7 +83,7 @@ _MODULI = ("journal_young", "journal_poisson", "bearing_young", "bearing_poisson
 
 
 def number(default: object, rule: Rule = ANY, usual: Usual | None = None, **marks: Any) -> Any:
-    """Return the dataclass field of a parameter, with its default and its `Row`."""
+    """Return a dataclass field for a parameter, with the parameter's default and `Row`."""
     return field(default=default, metadata={"row": Row(rule, usual, **marks)})
 
 
@@ -91,15 +91,15 @@ per_joint, tabulated = partial(number, by_joint=True), partial(number, table=Tru
 
 
 def row_of(item: Field[Any]) -> Row:
-    """Return the row of a parameter."""
+    """Return the `Row` of a parameter from its dataclass field."""
     return item.metadata.get("row", Row(ANY))
 
 
 def check_rows(values: Any) -> None:
-    """Raise a ValueError for the first number of a dataclass that breaks the rule of its row.
+    """Raise a ValueError for the first number of a dataclass that breaks the rule of its `Row`.
 
     Warns:
-        UnitWarning: of values that were probably given in another unit.
+        UnitWarning: about values that were probably given in a wrong unit.
     """
     for item in fields(values):
         value, (rule, usual, *_) = getattr(values, item.name), row_of(item)
@@ -110,13 +110,13 @@ def check_rows(values: Any) -> None:
 
 
 def check_parameters(p: ArrayParameters) -> None:
-    """Check every parameter by its row, and parameters against each other.
+    """Check every array parameter against its `Row`, and parameters against each other.
 
     Raises:
-        ValueError: a parameter is refused; the message names the first one.
+        ValueError: a parameter is refused; the message names the first refused parameter.
 
     Warns:
-        UnitWarning: of values that were probably given in another unit.
+        UnitWarning: about values that were probably given in a wrong unit.
     """
     for item in fields(p):
         _check_value(p, item.name, item.default, row_of(item))
@@ -137,7 +137,7 @@ def check_parameters(p: ArrayParameters) -> None:
     told = set()
     for joint in range(len(p.joints)):
         given, restitution = p.contact(joint).exit_speed_ratio(), p.by_joint("restitution", joint)
-        # A law that conserves energy does so whatever restitution it is asked for.
+        # A ratio of 1 means that the contact law conserves energy and ignores the restitution: no warning.
         if given < 1.0 and restitution not in told:
             told.add(restitution)
             warn(restitution_text(p.contact_law, restitution, given))
@@ -148,7 +148,7 @@ def check_parameters(p: ArrayParameters) -> None:
 
 
 def _tell_of_no_effect(p: ArrayParameters) -> None:
-    """Warn of moduli without effect, because `contact_stiffness` is given."""
+    """Warn about elastic moduli that have no effect because `contact_stiffness` is given."""
     usual = {item.name: item.default for item in fields(p)}
     for name in _MODULI:
         if p.contact_stiffness is not None and (value := getattr(p, name)) != usual[name]:
@@ -228,9 +228,9 @@ def _check_bodies(p: ArrayParameters) -> None:
 
 
 def _in_proportion(gyration: float, along: float, across: float) -> bool:
-    """Return whether the mass matrix of a body's two base points is regular, well beyond rounding.
+    """Return whether a body's mass matrix for its two base points is regular, with a margin above rounding errors.
 
-    Radius of gyration, and centroid from the first base point, are in units of the distance of the base points.
+    Radius of gyration, and centroid position from the first base point, are divided by the distance of the base points.
     """
     first, second = (gyration**2 + x**2 + across**2 for x in (1.0 - along, along))
     return gyration**2 > _LEAST_PROPORTION * first * second
@@ -241,12 +241,12 @@ def _require(p: ArrayParameters, name: str, condition: bool, rule: str) -> None:
         raise ValueError(f"{name} = {getattr(p, name)!r} {rule}")
 
 
-# Names and rounded values that this process has warned of: an ensemble describes the same array over and over.
+# Names and rounded values about which this process has warned: an ensemble creates the same array many times.
 _told: set[tuple[str, str]] = set()
 
 
 def _warn_of_implausible(name: str, entries: tuple[float | None, ...], usual: Usual) -> None:
-    """Warn of the first entry outside the usual magnitudes of spacecraft."""
+    """Warn about the first entry of a parameter that is outside its usual magnitudes on spacecraft."""
     low, high, unit, slip = usual
     odd = [value for value in entries if value and not low <= abs(value) <= high]
     if odd:
@@ -257,7 +257,7 @@ def _warn_of_implausible(name: str, entries: tuple[float | None, ...], usual: Us
 
 
 def _tell_once(name: str, value: float, text: str) -> None:
-    """Warn once per process of values that are nearly the same."""
+    """Warn once per process for each parameter and value, rounded to two digits."""
     if (name, f"{value:.2g}") not in _told:
         _told.add((name, f"{value:.2g}"))
         warnings.warn(text, UnitWarning, stacklevel=2)

@@ -1,8 +1,8 @@
-"""Files of parameters in TOML: reading one, and writing a complete one that explains each parameter.
+"""Parameter files in TOML: reading a file, and writing a complete file that explains each parameter.
 
-Values stand at the top of the file, under the names and in the units of `ArrayParameters`. Two tables are for values
-that are not known exactly: `tolerance` gives half-widths about the values, `randomize` low and high ends, as the
-keyword of the environments does. Both are drawn uniformly, by joint where the parameter is.
+Values stand at the top of the file, with the names and units of `ArrayParameters`. Two tables are for values that are
+not known exactly: `tolerance` gives half-widths about the values; `randomize` gives low and high ends, like the keyword
+of the environments. Draws are uniform; a tolerance of a parameter by joint is drawn separately for each joint.
 """
 
 import codecs
@@ -24,19 +24,19 @@ from solar_env.support.plain_arrays import read_at_most
 from solar_env.support.values import check_name, is_number
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
-# Text for the value None in a file, since TOML has no such value.
+# Text for the value None in a file, since TOML lacks a null value.
 NONE = "none"
-# Arrays from published data, by name.
+# Parameter files of arrays from published data, by name of the array.
 WINGS = {path.stem: path for path in sorted((Path(__file__).parents[1] / "data" / "wings").glob("*.toml"))}
 _MOST_BYTES = 2**20
-_WIDTH = 100  # characters of an explanation's line
+_WIDTH = 100  # characters per line of an explanation
 
 
 class ParameterFile(NamedTuple):
-    """Content of a file: the array, and the parameters that are drawn anew for every run.
+    """Content of a parameter file: the array's parameters, and the ranges of parameters that every run draws anew.
 
     `gymnasium.make("solar_env/Deploy-v2", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
-    of it.
+    from a file.
     """
 
     parameters: ArrayParameters
@@ -56,16 +56,16 @@ def named_array(name: str) -> ParameterFile:
 
 
 def read_parameters(path: str | Path) -> ParameterFile:
-    """Read a file of parameters; parameters that it does not name have their defaults.
+    """Read a parameter file; parameters that the file does not name have their defaults.
 
     Raises:
         ValueError: if the file is no TOML, or has an unknown name or a refused value.
-        OSError: if it cannot be read.
+        OSError: if the file cannot be read.
     """
     path = Path(path)
     encoded = read_at_most(path, _MOST_BYTES)
     try:
-        # Windows' editors begin with a mark, and its shell writes what another program prints in UTF-16, marked too.
+        # Windows editors begin files with a byte order mark; the Windows shell writes output as UTF-16 with a mark.
         marked_16 = encoded.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
         values: dict[str, Any] = tomllib.loads(encoded.decode("utf-16" if marked_16 else "utf-8-sig"))
     except (ValueError, RecursionError) as error:
@@ -98,9 +98,9 @@ def _parameter_file(values: dict[str, Any]) -> ParameterFile:
 
 
 def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any, Any]:
-    """Return the low and high end of a parameter's range, from its tolerance."""
+    """Return the low and the high end of a parameter's range from its tolerance, by joint for a value by joint."""
     if name not in ArrayParameters.CONTINUOUS:
-        return half_width, half_width  # whose refusal names the parameter
+        return half_width, half_width  # `checked_ranges` refuses the parameter by name
     told, by_joint = f"tolerance of {name} = {half_width!r}", name in ArrayParameters.BY_JOINT
     widths = half_width if isinstance(half_width, list) else [half_width]
     if not widths or not all(is_number(width) and 0.0 <= width < math.inf for width in widths):
@@ -117,7 +117,7 @@ def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any
 
 
 def _explained(error: ValueError) -> str:
-    """Return the text of an error, with the explanation of the parameter whose name begins the text."""
+    """Return an error's text; if the text begins with a parameter's name, append that parameter's explanation."""
     name, texts = str(error).split(" ", 1)[0], explanations()
     return f"{error}; {name} is: {texts[name]}" if name in texts else str(error)
 
@@ -133,17 +133,17 @@ def explanations() -> dict[str, str]:
 
 
 def units() -> dict[str, str]:
-    """Return the unit of each parameter by name, the first unit in its explanation; empty without a unit."""
+    """Return the unit of each parameter by name: the first text in brackets of its explanation, or ""."""
     found = {name: re.search(r"\[([^\]]+)\]", text) for name, text in explanations().items()}
     return {name: unit[1] if unit and not name.endswith("poisson") else "" for name, unit in found.items()}
 
 
 _HEAD = """\
-# Parameters of a solar array in SI units. What is left out has its default; by joint: one number for all, or
-# a list whose last entry also holds for all further joints. None is written as a word in quotation marks.
+# Parameters of a solar array in SI units. A parameter that is left out has its default. By joint: one number for all,
+# or a list whose last entry also holds for all further joints. None is written as a word in quotation marks.
 """
 _TABLES = f"""
-# What is not known exactly is drawn anew for every run of an ensemble, uniformly: half-widths about the values above
+# An uncertain parameter is drawn anew for every run of an ensemble, uniformly: half-widths about the values above
 # in the one table, low and high ends in the other.
 [{TOLERANCE}]
 # clearance = 2e-5
@@ -154,7 +154,7 @@ _TABLES = f"""
 
 
 def parameter_text(parameters: ArrayParameters) -> str:
-    """Return a complete file of parameters, each with its explanation; `read_parameters` reads it back."""
+    """Return the text of a complete parameter file with explanations; `read_parameters` can read the file."""
     lines, before = [_HEAD.rstrip()], ""
     for name, text in explanations().items():
         if text != before:

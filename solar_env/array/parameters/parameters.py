@@ -1,12 +1,12 @@
 """The parameters of the deployable solar array, with their sources and checks.
 
-Scene and defaults: Y. Li, C. Wang and W. Huang, "Dynamics analysis of planar rigid-flexible coupling deployable solar
-array system with multiple revolute clearance joints", Mech. Syst. Signal Process. 117 (2019) 188-209,
-(below: the paper), Table 1. What the paper leaves open is marked "chosen".
+Mechanism and defaults follow Table 1 of Y. Li, C. Wang and W. Huang, "Dynamics analysis of planar rigid-flexible
+coupling deployable solar array system with multiple revolute clearance joints", Mech. Syst. Signal Process. 117 (2019)
+188-209 (below: the paper). Values that the paper leaves open are marked "chosen".
 
-A free-floating main body carries a chain of N panels, folded like an accordion: joint 1 opens from 0 to pi/2 and every
-further joint from 0 to pi, in alternating senses. At t = 0 the journals are centred and, by default, everything is at
-rest.
+A free-floating main body carries a chain of N panels, folded like an accordion. Joint 1 opens from 0 to pi/2, every
+further joint from 0 to pi, in alternating directions. At t = 0 the journals are centred and, by default, all bodies
+are at rest.
 """
 
 import math
@@ -25,115 +25,115 @@ from solar_env.support.values import changed, check_name, is_number, plain
 
 PerJoint = float | tuple[float, ...]
 Tables = TorqueTable | tuple[TorqueTable, ...]
-MAIN_BODY = 0  # index among the bodies of the mechanism
-_LEAST_WORK = 1e-3  # J, least work of a spring
+MAIN_BODY = 0  # index of the main body among the bodies of the mechanism
+_LEAST_WORK = 1e-3  # J, lower bound of a spring's work in `friction_rate`
 
 
 @dataclass(frozen=True)
 class ArrayParameters:
     """Parameters of the array in SI units. Bad values are refused on construction with a ValueError.
 
-    A contact law that turns the restitution into quite another exit speed is accepted with a SimulationWarning, and so
-    is a value that no spacecraft has and that was probably given in another unit.
+    A SimulationWarning tells of a contact law that does not reproduce the restitution, and of a value that no
+    spacecraft has, which was probably given in a wrong unit.
 
     Springs, latches, contacts, friction and initial rates may differ by joint, and cable stiffnesses by loop, both
-    counted from the root: such a quantity takes one number, or a sequence whose last entry also holds for all further
-    joints. Lists and arrays become tuples, NumPy's numbers Python's.
+    counted from the root. Each of these takes one number, or a sequence whose last entry also holds for all further
+    joints. Lists and arrays become tuples; NumPy numbers become Python numbers.
 
     Attributes:
         panel_count: number of panels N of a wing; the paper's is 2.
-        wings: 1, or 2 with a mirrored wing towards -x, whose joints are counted on from the first wing's. Quantities by
-            joint or panel hold for each wing, unless they have more than N entries.
-        body_mass: mass of the main body [kg]; a 1 m cube of 1500 kg/m3.
+        wings: number of wings, 1 or 2. The second wing is mirrored towards -x, and its joints are numbered after the
+            first wing's. Quantities by joint or panel hold for each wing, unless they have more than N entries.
+        body_mass: mass of the main body [kg]; by default a 1 m cube of 1500 kg/m3.
         body_inertia: moment of inertia of the main body about its centroid [kg m2].
-        body_fixed: whether the main body is held in place; the paper's floats.
-        hinge_x, hinge_y: place of the root hinge from the main body's centroid [m], hinge_x not negative; mid-side
-            (chosen: the paper does not say). The first panel, folded, points towards -y: it lies along the body's side
-            if hinge_y is half of the body's size.
-        body_size: side of the main body [m].
+        body_fixed: whether the main body is held in place; in the paper it floats.
+        hinge_x, hinge_y: position of the root hinge from the main body's centroid [m], hinge_x not negative; mid-side
+            (chosen: the paper does not say). The folded first panel points towards -y, and lies along the body's side
+            if hinge_y is half of body_size.
+        body_size: length of the main body's sides [m].
         panel_length, panel_width, panel_thickness: length, width and thickness by panel [m].
         panel_density: mass of the panels per volume [kg/m3], by panel.
         panel_area_mass: mass of the panels per area [kg/m2], by panel; None computes it from the density.
         panel_young: modulus of elasticity E of the panels, used by flexible models [Pa], by panel.
-        panel_bending_stiffness: bending stiffness E I of the panels [N m2], by panel; None: from E, width, thickness.
+        panel_bending_stiffness: bending stiffness E I [N m2], by panel; None computes it from E, width and thickness.
         panel_damping: retardation time of the panels' material [s]: stress = E (strain + panel_damping * strain rate)
             (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has no damping).
-        panel_masses: masses fixed to the panels, such as hinge fittings: lists of the number of a panel, from 1 at the
-            root, the distance from the panel's inner hinge [m], and the mass [kg]; not with panels of modes.
-        folding: "accordion", whose hinges open in turns counter-clockwise and clockwise, or "wrap", whose hinges all
-            open counter-clockwise.
-        fold_angle: angle from the folded position to the position in line with the inboard body, by joint [rad]; None:
-            a quarter turn at the root, half turns beyond.
+        panel_masses: masses fixed to the panels, such as hinge fittings: lists of panel number, from 1 at the root,
+            distance from the panel's inner hinge [m], and mass [kg]; modal panels cannot have such masses.
+        folding: "accordion" if the hinges open alternately counter-clockwise and clockwise, "wrap" if all hinges open
+            counter-clockwise.
+        fold_angle: angle from the folded position to the position in line with the inboard body, by joint [rad]; None
+            takes a quarter turn at the root, half turns beyond.
         lock_angle: joint angle at which a hinge latches, by joint [rad]; None takes the fold_angle.
         latching: whether a hinge latches at its lock angle, by joint: 1, or 0 for a stop without a latch.
         release_time: time until which a hold-down holds the folded joint, by joint [s]; 0 for no hold-down.
-        release_after: number of the joint, from 1 at the root, whose latching the release_time is counted from, by
-            joint; 0 counts it from t = 0.
+        release_after: number of the joint, from 1 at the root, from whose latching the release_time is counted, by
+            joint; 0 counts the release_time from t = 0.
         spring_stiffness: stiffness of the torsion springs, by joint [N m/rad].
         spring_preload_angle: angle at which a spring is relaxed, by joint, at most a turn [rad].
-        spring_torque: table of a torque by joint angle that acts beside the torsion spring: pairs (angle [rad],
-            torque [N m]), for all joints, or one table by joint; opening torques are positive.
-        harness_torque: table of the torque of a wire harness by joint angle, likewise [N m].
+        spring_torque: table of a torque by joint angle that adds to the torsion spring: pairs (angle [rad],
+            torque [N m]); one table for all joints, or one table per joint; opening torques are positive.
+        harness_torque: table of a wire harness's torque by joint angle [N m], in the form of spring_torque.
         hinge_damping: damping of a viscous or eddy-current damper in each hinge, by joint [N m s/rad].
-        hinge_friction_torque: torque of dry friction in each hinge, by joint [N m], beside the journals' friction.
-        hinge_friction_rate: joint rate within which that torque changes its sign, by joint [rad/s]; None: a hundredth
-            of the rate at which the spring would open the hinge of a lone panel (chosen: far below opening rates).
+        hinge_friction_torque: torque of dry friction in each hinge, by joint [N m], in addition to journal friction.
+        hinge_friction_rate: joint rate within which hinge friction changes its sign, by joint [rad/s]; None takes a
+            hundredth of the rate at which the spring would open a lone panel (chosen: far below opening rates).
         cable_stiffness: stiffness of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen:
             keeps the joint angles at 1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner joint of a loop divided by the torque on the outer one; None takes the
-            wheel ratio (2 at the root), which conserves energy (chosen); 1 is the couple to which the paper's latch
-            time points: it destroys half of the springs' work, 0.24 of 0.49 J by the latching.
+            wheel ratio (2 at the root), which conserves energy (chosen). A ratio of 1 agrees with the paper's latch
+            time, but destroys half of the springs' work, 0.24 J of 0.49 J up to the latching.
         cable_preload_force: preload of a strand [N]; a strand's tension is never negative (chosen: no strand goes
             slack).
         cable_wheel_radius: radius of the outer joint's wheel [m] (chosen: without cable_bearing_forces, it only sets
             the torque at which a strand goes slack).
-        cable_bearing_forces: whether the strands also pull on the bearings (Eq 3, with a potential). The paper's
-            solution steps use Eq 4 alone.
-        latch_gap: free play of latch and stow stop to either side [rad], 0 included (chosen, like the four below:
-            together they give contact forces of some hundred newtons after latching, like the paper's Fig. 10).
+        cable_bearing_forces: whether the strands also pull on the bearings (the paper's Eq 3, with a potential). The
+            paper's solution steps use Eq 4 alone.
+        latch_gap: free play of latch and stow stop to either side [rad], 0 allowed (chosen, like the four values below:
+            together they give contact forces of some hundred newtons after latching, as in the paper's Fig. 10).
         latch_stiffness: stiffness of latch and stow stop [N m/rad^exponent].
-        latch_exponent: exponent of the stop's elastic torque.
-        latch_ramp_depth: depth over which the stop's damping is ramped in [rad].
+        latch_exponent: exponent of the elastic torque of latch and stow stop.
+        latch_ramp_depth: depth over which the damping of latch and stow stop sets in [rad].
         latch_damping: damping of latch and stow stop [N m s/rad].
         clearance: bearing radius minus journal radius, by joint [m].
         journal_radius: journal radius of all joints [m].
-        contact_law: "lankarani-nikravesh", "flores", "restitution" (whose exit speed is exactly the restitution) or
-            "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing; "bracket" for
-            surfaces far stiffer than bracket_stiffness.
-        restitution: coefficient of restitution of the contact law.
-        contact_stiffness: K [N/m^1.5] between spheres; None computes it by the paper's Eq 40 from the radii and the
-            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes a stiffness
-            of another unit from these and bearing_width, and needs None, as "bracket" does.
-        bracket_stiffness: radial stiffness of bracket and bush in series, by joint [N/m]; the law "bracket" takes it
+        contact_law: contact law of journal and bearing. For spheres: "lankarani-nikravesh", "flores", "restitution"
+            (which gives exactly the restitution) or "hertz" (which conserves energy). For a cylinder in a long bearing:
+            "pereira". For surfaces far stiffer than bracket_stiffness: "bracket".
+        restitution: coefficient of restitution for the contact law.
+        contact_stiffness: stiffness K of spheres in contact [N/m^1.5], by joint. None computes K by the paper's Eq 40
+            from the radii and the four moduli below; K then rises as the clearance shrinks. "pereira" computes a
+            stiffness of another unit from these and bearing_width. Both "pereira" and "bracket" need None.
+        bracket_stiffness: radial stiffness of bracket and bush in series for the contact law "bracket", by joint [N/m]
             (chosen: 1 kN bends a small aluminium bracket by 0.1 mm).
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
-            where the stiffness is computed; a steel journal in a brass bearing.
+            if the contact stiffness is computed; by default a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: a hundredth
             of the speed of slower impacts).
         friction_coefficient: Coulomb's coefficient of sliding friction.
-        friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s], the paper's Eq 42
-            (chosen: below the speeds of impacts, which see all of Coulomb's friction).
-        friction_sliding: "material" takes the speed of the material points in contact, "centres" the speed of the
-            joint's centres, and "places" the speed of the places of contact, depth / (clearance + depth) times the
-            centres', as the paper's Eq 35 has it literally. The latter two leave the bodies' rotation out.
+        friction_speed_zero, friction_speed_full: sliding speeds between which friction rises from zero to Coulomb's
+            value [m/s], the paper's Eq 42 (chosen: below the speeds of impacts, which meet the full friction).
+        friction_sliding: sliding speed in the friction law. "material" takes the speed of the material points in
+            contact, "centres" the speed of the joint's centres, "places" the speed of the contact points: depth /
+            (clearance + depth) times the centres' speed, as in the paper's Eq 35. The latter two ignore rotations.
         wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the
             order of 1e-14 to 1e-13 m, as the paper reports).
         bearing_width: axial length of the bearings [m] (chosen: the hinge line spans the panel).
-        wear_bins: circumferential bins of each surface.
-        gravity: acceleration of free fall in a test on the ground [m/s2], for which the main body is held.
+        wear_bins: number of circumferential bins for the wear of each surface.
+        gravity: acceleration of free fall in a test on the ground [m/s2], for which the main body must be fixed.
         gravity_angle: direction of gravity in the plane, from the x axis [rad].
-        offloading_share: share of each panel's weight that a hanger at its centre of mass carries.
-        offloading_friction: friction force of a hanger divided by the weight that it carries; the force resists the
-            turning of the panel's hinge, by its distance from the hinge.
+        offloading_share: fraction of each panel's weight that a hanger at the panel's centre of mass carries.
+        offloading_friction: friction force of a hanger divided by the weight that the hanger carries; the force acts at
+            the panel's centre of mass against the opening or closing of the hinge.
         initial_spin: angular velocity of the main body about its centroid at t = 0 [rad/s].
-        initial_rate: rate of the joint angles at t = 0, by joint, positive opens [rad/s].
+        initial_rate: rate of the joint angles at t = 0, by joint, positive for opening [rad/s].
     """
 
-    # Names from the rows: real numbers; quantities that may differ by joint; quantities that one range draws by joint.
+    # Names of parameters: real numbers; values that may differ by joint; values drawn separately for each joint.
     CONTINUOUS: ClassVar[tuple[str, ...]]
     BY_JOINT: ClassVar[tuple[str, ...]]
     DRAWN_BY_JOINT: ClassVar[tuple[str, ...]]
-    # Parameters that decide how many numbers describe the mechanism and its state.
+    # Names of parameters that determine the number of coordinates and state variables.
     STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "wings", "body_fixed", "wear_bins")
 
     panel_count: int = number(2, c.Rule(1, 100, "must lie between 1 and 100"))
@@ -209,27 +209,27 @@ class ArrayParameters:
         c.check_parameters(self)
 
     def entries(self, name: str) -> tuple[Any, ...]:
-        """Return the values given for a quantity: one, or one per joint, of the first joints of a wing or all wings."""
+        """Return the values given for a parameter as a tuple: one value, or one value per joint from the root on."""
         value = getattr(self, name)
         entries = value if isinstance(value, tuple) else (value,)
         return entries[: self.panel_count] if entries == _ROWS[name][0] else entries
 
     def by_joint(self, name: str, joint: int) -> Any:
-        """Return the entry of a quantity for `joint`, counted from 0; the last entry holds for all further joints."""
+        """Return a parameter's value at `joint`, counted from 0; the last given value holds for all further joints."""
         entry = entry_of(self.entries(name), joint, self.panel_count)
         return None if entry is None else float(entry)
 
     def for_each_joint(self, name: str) -> tuple[Any, ...]:
-        """Return the entry of a quantity for every joint."""
+        """Return a parameter's value at every joint, in the order of `joints`."""
         return tuple(self.by_joint(name, joint.index) for joint in self.joints)
 
     @classmethod
     def preset(cls, name: str) -> Self:
         """Return a named parameter set: "default", or "paper", which reads the paper as literally as its results allow.
 
-        "paper": hinge at the side's end that the folded panels point away from and a cable couple of torque ratio 1.
-        Both together reproduce the paper's latch time, though the couple destroys half of the springs' energy. No
-        damping of the panels; a wear coefficient that gives the deepest bin the depth in the paper's figures.
+        "paper" has hinge_y = -0.5, so that the folded panels extend beyond the main body, and cable_torque_ratio = 1.
+        Both together reproduce the paper's latch time, though that ratio destroys half of the springs' energy. The
+        panels have no damping. The wear coefficient gives the deepest bin the depth in the paper's figures.
 
         Raises:
             ValueError: if the name is unknown.
@@ -247,7 +247,7 @@ class ArrayParameters:
 
     @property
     def body_length(self) -> float:
-        """Distance of the main body's base points [m], which must not lie too close to each other."""
+        """Distance between the main body's two base points [m]: hinge_x, or body_size if hinge_x is nearly zero."""
         return self.hinge_x if self.hinge_x > 1e-3 * self.body_size else self.body_size
 
     @property
@@ -257,7 +257,7 @@ class ArrayParameters:
 
     @cached_property
     def joints(self) -> tuple[JointRow, ...]:
-        """The joints, wing by wing, each a chain from the root on."""
+        """The joints in order: wing by wing, and from the root outwards within each wing."""
         return tuple(self._joint(k) for k in range(self.joint_count))
 
     def _joint(self, index: int) -> JointRow:
@@ -292,18 +292,18 @@ class ArrayParameters:
 
     @property
     def unsupported_gravity(self) -> tuple[float, float]:
-        """Components of the gravity that hangers do not carry, in the plane [m/s2]."""
+        """Components (x, y) of the gravity that hangers do not carry [m/s2]."""
         left = self.gravity * (1.0 - self.offloading_share)
         return left * math.cos(self.gravity_angle), left * math.sin(self.gravity_angle)
 
     def friction_torque(self, joint: int) -> float:
-        """Return the torque [N m] of dry friction in a hinge, counted from 0, and in its panel's hanger about it."""
+        """Return the dry friction torque [N m] of hinge `joint`, counted from 0, with its panel's hanger."""
         panel = self.panel(joint)
         of_hanger = self.offloading_friction * self.offloading_share * panel.mass * self.gravity
         return float(self.by_joint("hinge_friction_torque", joint) + of_hanger * panel.centroid)
 
     def friction_rate(self, joint: int) -> float:
-        """Return the joint rate [rad/s] within which dry friction in a hinge, counted from 0, changes its sign."""
+        """Return the joint rate [rad/s] within which dry friction of hinge `joint`, counted from 0, changes sign."""
         given = self.by_joint("hinge_friction_rate", joint)
         if given is not None:
             return float(given)
@@ -317,18 +317,18 @@ class ArrayParameters:
         return 0.01 * math.sqrt(max(work, _LEAST_WORK) * 6.0 / (panel.mass * panel.length**2))
 
     def table(self, name: str, joint: int) -> TorqueTable:
-        """Return the table of a tabulated torque of a joint, counted from 0."""
+        """Return the table "spring_torque" or "harness_torque" of a joint, counted from 0; empty if not given."""
         tables = getattr(self, name)
         alone = not tables or is_number(tables[0][0])
         return tables if alone else entry_of(tables, joint, self.panel_count)
 
     def stop(self, joint: int) -> Stop:
-        """Return the law of latch and stow stop of a joint, counted from 0."""
+        """Return the stop that models latch and stow stop of `joint`, counted from 0."""
         names = ("gap", "stiffness", "exponent", "ramp_depth", "damping")
         return Stop(*(self.by_joint(f"latch_{name}", joint) for name in names))
 
     def surfaces(self, joint: int) -> Surfaces:
-        """Return the journal and bearing of a joint, counted from 0, as its contact law takes them."""
+        """Return geometry and stiffnesses of journal and bearing in `joint`, counted from 0, for the contact law."""
         return Surfaces(
             bearing_radius=self.journal_radius + self.by_joint("clearance", joint),
             journal_radius=self.journal_radius,
@@ -342,11 +342,11 @@ class ArrayParameters:
         )
 
     def contact(self, joint: int) -> PowerLaw:
-        """Return the contact law of a joint, counted from 0."""
+        """Return the contact law between journal and bearing of `joint`, counted from 0."""
         return contact_law(self.contact_law, self.surfaces(joint), self.by_joint("restitution", joint))
 
     def bearing(self, joint: int) -> Bearing:
-        """Return the clearance bearing of a joint, counted from 0."""
+        """Return the bearing of `joint`, counted from 0, with its clearance, contact law, friction and wear."""
         return Bearing(
             clearance=self.by_joint("clearance", joint),
             journal_radius=self.journal_radius,
@@ -360,7 +360,7 @@ class ArrayParameters:
         )
 
     def to_dict(self) -> dict[str, object]:
-        """Return all parameters as values that JSON can store; `with_changes` takes them back."""
+        """Return all parameters as values that JSON can store; `with_changes` accepts these values."""
         return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 
 

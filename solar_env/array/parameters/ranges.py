@@ -1,6 +1,6 @@
-"""Parameters of which only ranges are known: their check, and draws from them.
+"""Ranges of parameters that are not known exactly: checks of the ranges, and random draws from them.
 
-Environments and files of parameters call them `randomize`.
+The environments' keyword for ranges, and the table of ranges in a parameter file, are called `randomize`.
 """
 
 import math
@@ -13,25 +13,25 @@ from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.array.parameters.rows import entry_of
 from solar_env.support.values import check_name, is_number, plain
 
-# Greatest change of a joint rate [rad/s], either way, at which deployments that are meant to be alike are released.
-# Impacts are chaotic, so that a single deployment says little; released in this way, deployments are far apart from
-# the latching on. In the mean, joint 1 deploys at 0.13 rad/s.
+# Greatest change of an initial joint rate [rad/s], up or down, between the otherwise equal deployments of an ensemble.
+# Impacts are chaotic, so that a single deployment says little; after the latching even these changes lead to very
+# different motions. For comparison, joint 1 deploys at 0.13 rad/s on average.
 RELEASE_RATE = 5e-4
 
 # Bound of a uniform draw: a number, or one number per joint.
 Bound = float | tuple[float, ...]
 Ranges = Mapping[str, tuple[Bound, Bound]]
-_BELOW_ANOTHER = ("clearance", "friction_speed_zero")  # parameters that must stay below another one
+_BELOW_ANOTHER = ("clearance", "friction_speed_zero")  # parameters that must stay below another parameter
 
 
 def drawn(ranges: Ranges, generator: np.random.Generator) -> dict[str, float | tuple[float, ...]]:
-    """Draw values uniformly from checked ranges, by joint where the bounds are; `with_changes` takes the result."""
+    """Draw parameter values uniformly from checked ranges, for `with_changes`; bounds by joint give values by joint."""
     values = {name: generator.uniform(low, high) for name, (low, high) in ranges.items()}
     return {name: tuple(value.tolist()) if np.ndim(value) else float(value) for name, value in values.items()}
 
 
 def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
-    """Check that both ends of ranges are acceptable values, and return the ranges, by joint where the parameter is.
+    """Check that an array can have all values in the ranges; return the ranges, with bounds by joint if drawn by joint.
 
     Raises:
         ValueError: for an unknown parameter, or a range in which not every value is acceptable.
@@ -56,7 +56,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
         for end in (low, high):
             parameters.with_changes({name: end})
         checked[name] = (low, high)
-    # Draws of several parameters may meet at any corner; at these corners two parameters can contradict each other.
+    # Draws may reach any corner of the ranges; at the corners below, two parameters can contradict each other.
     lows, highs = ({name: pair[end] for name, pair in checked.items()} for end in (0, 1))
     for corner in (lows, highs, *({**lows, small: highs[small]} for small in _BELOW_ANOTHER if small in highs)):
         parameters.with_changes(corner)
@@ -64,7 +64,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
 
 
 def _spread(told: str, given: Any, array: ArrayParameters | None) -> Bound:
-    """Check a bound; return a number, or with an array one number for each of its joints, see `entry_of`."""
+    """Check a bound of a range and return it as a number, or with an `array` as a number per joint, see `entry_of`."""
     value = plain(given)
     entries = value if isinstance(value, tuple) else (value,)
     if not all(is_number(entry) and math.isfinite(entry) for entry in entries):

@@ -1,4 +1,4 @@
-"""Joint and panel of the array, from which the mechanism is built."""
+"""Descriptions of the array's joints and panels, from which the mechanism is built."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ Value = TypeVar("Value")
 
 
 def entry_of(entries: Sequence[Value], joint: int, panels: int) -> Value:
-    """Return the entry for a joint, in wings of `panels` panels; the last entry holds for all further joints.
+    """Return the entry for a joint of a sequence by joint; the last entry holds for all further joints.
 
-    Both wings take the same entries, unless there are more entries than panels.
+    Each wing has `panels` panels. Both wings take the same entries, unless there are more entries than panels.
     """
     place = joint % panels if len(entries) <= panels else joint
     return entries[min(place, len(entries) - 1)]
@@ -18,10 +18,10 @@ def entry_of(entries: Sequence[Value], joint: int, panels: int) -> Value:
 
 @dataclass(frozen=True)
 class JointRow:
-    """A joint, by its index from the root on, and the panel that it carries.
+    """A joint, with its index counted from the root, and the panel that the joint carries.
 
     Attributes:
-        inboard, panel: indices, among the bodies of the mechanism, of the body that bears the panel, and of the panel.
+        inboard, panel: indices of two bodies of the mechanism: the body on the joint's inner side, and the panel.
         side: 1 for the wing towards +x, -1 for its mirror image towards -x.
         sign: 1 if the panel opens counter-clockwise, -1 if clockwise.
         fold_angle: angle from the folded position to the position in line with the inboard body [rad].
@@ -38,7 +38,7 @@ class JointRow:
 
     @property
     def name(self) -> str:
-        """Name of the joint in tables."""
+        """Name of the joint for tables and messages, such as "joint 1"."""
         return f"joint {self.index + 1}{' of the second wing' if self.side < 0 else ''}"
 
 
@@ -46,12 +46,12 @@ class PanelRow(NamedTuple):
     """Geometry, mass and stiffness of a panel.
 
     Attributes:
-        length, thickness: [m].
+        length, thickness: length and thickness of the panel [m].
         linear_density: mass per length [kg/m].
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
-        damping: retardation time of the material [s].
-        masses: places from the inner hinge [m] and masses [kg] of fittings on the panel.
+        damping: retardation time of the panel's material [s].
+        masses: fittings on the panel, as pairs of distance from the inner hinge [m] and mass [kg].
     """
 
     length: float
@@ -69,13 +69,13 @@ class PanelRow(NamedTuple):
 
     @property
     def centroid(self) -> float:
-        """Distance of the centre of mass from the inner hinge [m]."""
+        """Distance of the panel's centre of mass, with fittings, from the inner hinge [m]."""
         first = sum(mass * (place - self.length / 2) for place, mass in self.masses)
         return self.length / 2 + first / self.mass
 
     @property
     def inertia(self) -> float:
-        """Moment of inertia about the centre of mass [kg m2]."""
+        """Moment of inertia of the panel, with fittings, about its centre of mass [kg m2]."""
         bare = self.linear_density * self.length
         own = bare * (self.length**2 + self.thickness**2) / 12.0
         moved = sum(mass * (place - self.centroid) ** 2 for place, mass in self.masses)

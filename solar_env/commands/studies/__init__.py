@@ -1,1 +1,1 @@
-"""Studies of the pages: rows of `solar-env study`, each a module with `OPTIONS` and `run(args)`."""
+"""Studies on the documentation pages, which `solar-env study` runs; each is a module with `OPTIONS` and `run(args)`."""

@@ -7,22 +7,22 @@ import numpy as np
 
 from solar_env.commands import design
 from solar_env.commands.study import Args
-from solar_env.environment.registration import DEPLOY
+from solar_env.environment.registration import DEPLOY_V1
 from solar_env.support.files import write_bytes, writing
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import PACKAGE, STUDIES
 
 OPTIONS = ("out", "readme")
-# A moment after latching, with the journals in flight.
+# Time of the frame, after latching, when the journals fly freely in their bearings.
 FRAME_TIME = 13.6  # s
 
 
 def draw_frame(path: Path) -> None:
-    """Draw a frame of the environment during a passive deployment."""
+    """Draw a frame of version 1 of the environment, whose action 0 leaves the array to its springs."""
     import gymnasium
     from PIL import Image
 
-    env = gymnasium.make(DEPLOY, render_mode="rgb_array")
+    env = gymnasium.make(DEPLOY_V1, render_mode="rgb_array")
     env.reset(seed=0)
     for _ in range(round(FRAME_TIME / 0.1)):
         env.step(np.zeros(1, dtype=np.float32))
@@ -39,7 +39,7 @@ def draw_deployment(path: Path) -> None:
 
 
 def draw_stability(path: Path) -> None:
-    """Draw the map of bounces under generalized-alpha, with the failures of a fixed step."""
+    """Draw a map of impacts under generalized-alpha, which shows the fixed step sizes that fail."""
     from solar_env.studies.stability.stability_maps import measure_map
     from solar_env.studies.stability.stability_plot import draw_map
 
@@ -57,7 +57,7 @@ def draw_design(path: Path) -> None:
 
 
 _OWN = PACKAGE / "pictures" / "figures"
-# File -> function that draws it.
+# Picture file -> function that draws the file.
 PICTURES = {
     _OWN / "frame.png": draw_frame,
     _OWN / "deployment.png": draw_deployment,

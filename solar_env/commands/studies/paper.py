@@ -1,4 +1,4 @@
-"""`solar-env study paper`: the paper, figure by figure and claim by claim."""
+"""`solar-env study paper`: the paper's figures drawn again, and the paper's claims judged one by one."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -18,8 +18,8 @@ SECTION = Section(FOLDER / "README.md", "claims", "solar-env study paper --readm
 def run(args: Args) -> int:
     """Draw the figures of the paper, and judge its claims; --only: numbers of figures, without claims, or a set's name.
 
-    The name of a set judges the claims for another set of the parameters that the paper leaves open. With --readme
-    pictures and claims go into the page, tables into ./paper.
+    With the name of a set, the claims are judged for another set of values of the parameters that the paper leaves
+    open. With --readme pictures and claims go into the page, tables into ./paper.
     """
     from solar_env.studies.paper.sets import found_sets
 
@@ -30,12 +30,12 @@ def run(args: Args) -> int:
     from solar_env.studies.paper.cases import CaseRun
     from solar_env.studies.paper.claims import CLAIMS
     from solar_env.studies.paper.figures import FIGURES
-    from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs, summary
+    from solar_env.studies.paper.survey import as_markdown, as_rows, judge, planned_runs, summary
 
     numbers = {str(number): figure for number, figure in FIGURES.items()}
     figures = [numbers[part] for part in args.parts([*numbers, *sets]) if part in numbers]
     if args.readme:
-        SECTION.read()  # refuse a page without a place before everything is simulated
+        SECTION.read()  # refuse a page without this section before simulating
     out, pictures = args.folders("paper", None, FOLDER / "figures")
     wanted = [] if args.only else planned_runs()
     shown = (CaseRun(case, member) for figure in figures for case in figure.cases for member in figure.members)
@@ -49,7 +49,8 @@ def run(args: Args) -> int:
     if args.only:
         return 0
     findings = [judge(claim, motions) for claim in CLAIMS]
-    write_text((FOLDER if args.readme else out) / "claims.json", as_json(findings) + "\n")
+    claims = (FOLDER if args.readme else out) / "claims.csv"
+    write_table(claims, as_rows(findings), provenance("solar-env study paper"))
     if args.readme:
         SECTION.write(as_markdown(findings))
     else:
@@ -59,7 +60,7 @@ def run(args: Args) -> int:
 
 
 def _simulate(args: Args, runs: Iterable[Any]) -> dict[Any, Any]:
-    """Simulate runs of cases, with a progress bar, and return the motions by run."""
+    """Simulate the runs of the paper's cases under a progress bar, and return the motion of each run."""
     from solar_env.studies.paper.cases import simulate_run
 
     each = dict.fromkeys(runs)
@@ -68,18 +69,20 @@ def _simulate(args: Args, runs: Iterable[Any]) -> dict[Any, Any]:
 
 
 def _judge_set(args: Args, name: str, changes: Any) -> int:
-    """Judge the claims for a set of the parameters that the paper leaves open."""
+    """Judge the claims for one named set of values of the parameters that the paper leaves open; print the result."""
+    from solar_env.studies.common.tables import provenance, write_table
     from solar_env.studies.paper.claims import CLAIMS
-    from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs
+    from solar_env.studies.paper.survey import as_markdown, as_rows, judge, planned_runs, summary
 
     if args.readme:
         raise ValueError(f"--only {name!r} has no place on the page; leave out --readme")
-    # The claims' reasons for differences hold for the preset alone.
+    # The stated reasons for differences from the claims hold for the preset alone.
     claims = [replace(claim, open_parameters=(), why="") for claim in CLAIMS]
     runs = [replace(run, changes=changes) for run in planned_runs(claims)]
     motions = {replace(run, changes=()): motion for run, motion in _simulate(args, runs).items()}
     findings = [judge(claim, motions) for claim in claims]
     out, _ = args.folders("paper")
-    write_text(out / f"claims-{name.replace(' ', '-')}.json", as_json(findings) + "\n")
-    print_markdown(as_markdown(findings))
+    made_by = provenance(f"solar-env study paper --only '{name}'")
+    write_table(out / f"claims-{name.replace(' ', '-')}.csv", as_rows(findings), made_by)
+    print_markdown(f"{summary(findings)}\n\n{as_markdown(findings)}")
     return 0

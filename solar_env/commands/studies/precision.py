@@ -1,11 +1,11 @@
-"""`solar-env study precision`: speed against accuracy, measured into tables, drawn from the tables."""
+"""`solar-env study precision`: tables of measured speed and accuracy, and figures drawn from the tables."""
 
 from solar_env.commands.study import Args
 from solar_env.support.readme import STUDIES, Section
 
 OPTIONS = ("only", "quick", "draw", "out", "readme")
 FOLDER = STUDIES / "precision"
-# File that a part writes -> section of the page for its text.
+# Text file that a part of the study writes -> section of the page for that text.
 SECTIONS = {
     f"{name.replace(' ', '_')}.md": Section(FOLDER / "README.md", name, "solar-env study precision --readme")
     for name in ("work precision", "convergence", "side by side")
@@ -19,7 +19,7 @@ def run(args: Args) -> int:
     names = args.parts(charts.STUDIES)
     if args.readme:
         for section in SECTIONS.values():
-            section.read()  # refuses a page without a place before everything is measured
+            section.read()  # refuses a page without this section before measuring
     tables, figures = args.folders("precision", FOLDER / "data", FOLDER / "figures")
     if not args.draw:
         charts.measure_charts(names, args.quick, tables, args.console)

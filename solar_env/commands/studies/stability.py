@@ -1,4 +1,4 @@
-"""`solar-env study stability`: maps of the failures of methods, as tables and figures."""
+"""`solar-env study stability`: maps of settings at which integrators fail, as tables and figures."""
 
 import textwrap
 from pathlib import Path
@@ -6,7 +6,6 @@ from pathlib import Path
 from solar_env.array import compilation_note
 from solar_env.commands.study import Args
 from solar_env.mechanics.integrators.settings import INTEGRATORS
-from solar_env.support.files import write_text
 from solar_env.support.progress import counting_bar
 
 OPTIONS = ("only", "quick", "draw", "out")
@@ -33,23 +32,23 @@ def run(args: Args) -> int:
 
 
 def _walk_parameters(args: Args, folder: Path) -> int:
-    """Measure the ranges of the parameters; return 1 if a failure passed in silence, else 0."""
+    """Measure in which range each parameter works; return 1 if a failure went unreported, otherwise 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability import parameter_ranges as ranges
 
-    table, page = folder / "parameters.csv", folder / "parameters.md"
+    table = folder / "parameters.csv"
     if not args.draw:
         with counting_bar(args.console) as progress:
             task = progress.add_task("parameters", total=len(ranges.NAMES) * len(ranges.MODELS) * len(ranges.FACTORS))
             ranges.measure(table, lambda: progress.advance(task))
     measured = read_table(table)
-    write_text(page, ranges.page(measured))
-    print(f"{table}, {page}")
+    classes = ", ".join(f"{len(measured.where(**{'class': kind}).rows)} {kind}" for kind in measured.values("class"))
+    print(f"{table}: {classes}")
     return int(ranges.SILENT in measured.values("class"))
 
 
 def _report(name: str, path: Path) -> int:
-    """Draw a map and print its figures and advice; return 1 if a failure passed in silence, else 0."""
+    """Draw a map, print its counts and advice; return 1 if a failure went unreported, otherwise 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map

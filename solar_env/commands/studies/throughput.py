@@ -17,7 +17,7 @@ def run(args: Args) -> int:
 
     models = args.parts(MODELS)
     if args.readme:
-        SECTION.read()  # refuses a page without a place before everything is measured
+        SECTION.read()  # refuses a page without this section before measuring
     else:
         folder, _ = args.folders("throughput")
     figures: dict[str, dict[str, float]] = {model: {} for model in models}

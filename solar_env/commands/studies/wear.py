@@ -1,10 +1,10 @@
-"""`solar-env study wear`: a hundred deployments, with the worn clearance fed back."""
+"""`solar-env study wear`: a hundred deployments, whose clearances grow by the wear of earlier deployments."""
 
 from solar_env.commands.study import Args
 from solar_env.support.readme import STUDIES
 
 OPTIONS = ("out", "readme", "draw", "quick", "jobs")
-QUICK = 3  # deployments of a quick run
+QUICK = 3  # number of deployments in a quick run
 
 
 def run(args: Args) -> int:

@@ -1,4 +1,4 @@
-"""Views of an episode: `film` draws frames, `window` shows them, `recording` keeps motions for plots and pages.
+"""Views of an episode: `film` draws frames, `window` shows frames, `recording` keeps trajectories for plots and pages.
 
-Imports `solar_env.pictures`, the engine, and the settings of an environment; no rewards, no episodes.
+The package imports `solar_env.pictures`, `array`, `mechanics` and `environment.settings`, but not `episodes`.
 """

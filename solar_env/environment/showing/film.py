@@ -1,4 +1,4 @@
-"""Frames of an episode: the array as it is, and the force peaks so far."""
+"""Frames of an episode: pictures of the array in its present state, with the peak forces so far."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ from solar_env.pictures.frame import Renderer, Scene
 
 
 class Film:
-    """Force peaks of an episode so far, and the renderer that draws them with the array."""
+    """A history of the peak joint forces in an episode, and the renderer that draws the array with this history."""
 
     def __init__(self, settings: EnvironmentSettings) -> None:
         self._settings = settings
@@ -24,22 +24,22 @@ class Film:
         self._renderer: Renderer | None = None
 
     def __getstate__(self) -> dict[str, object]:
-        """Leave out the renderer, which a copy makes anew."""
+        """Return the attributes without the renderer; a copy makes its own renderer."""
         return {**vars(self), "_renderer": None}
 
     def add(self, state: Any) -> None:
-        """Add the force peaks of the control period that has ended."""
+        """Add each joint's peak force in the control period that ends with `state`."""
         self._forget(np.nextafter(state.clock["time"][0], 0.0))
         self._peaks.append(state.joints["recent_peak_force"].copy())
         self._times.append(float(state.clock["time"][0]))
 
     def _forget(self, time: float) -> None:
-        """Forget the peaks after a time [s] to which a state was restored."""
+        """Discard the peak forces later than a time [s], because a state of that time was restored."""
         while self._times[-1] > time:
             del self._times[-1], self._peaks[-1]
 
     def draw(self, simulation: Simulation, parameters: ArrayParameters) -> NDArray[np.uint8]:
-        """Return the frame of the present state; (540, 960, 3) uint8."""
+        """Draw the present state of a simulation as a frame (540, 960, 3) uint8."""
         self._forget(simulation.time)
         if self._renderer is None:
             task, folded = self._settings.task, self._settings.simulation(parameters)
@@ -47,7 +47,7 @@ class Film:
         return self._renderer.draw(self._scene(simulation, parameters))
 
     def _scene(self, simulation: Simulation, parameters: ArrayParameters) -> Scene:
-        """Return the scene of a simulation, with the force peaks of the episode."""
+        """Return the content of a frame: the simulation's present state, and the history of peak forces."""
         model, state, loads = simulation.model, simulation.state, simulation.joint_loads()
         bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
         axes = [centreline(model, state.q, body) for body in bodies]

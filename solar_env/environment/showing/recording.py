@@ -1,4 +1,4 @@
-"""Episodes kept as trajectories, for plots and pages."""
+"""Recording of episodes as trajectories, for plots and pages."""
 
 import hashlib
 import math
@@ -11,17 +11,17 @@ from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table
 from solar_env.support.values import check_positive
 
-_CONTACTS = 1000  # number of contacts for which there is room at first
+_CONTACTS = 1000  # initial capacity of the record, in contacts
 
 
 class RecordTrajectory(gymnasium.Wrapper):
-    """A wrapper that keeps the present episode as a `Trajectory`, with samples every `output_step` [s] and now.
+    """A wrapper that records the episode as a `Trajectory`, sampled every `output_step` [s] and at the present time.
 
-    The episode stays the same to the bit. The trajectory is the motion that led to the present state: restoring an
-    earlier state between two steps discards everything recorded after it.
+    Recording leaves the episode unchanged to the bit. The trajectory is the motion that led to the present state: after
+    an earlier state is restored between two steps, the next step discards the later part of the record.
 
     Raises:
-        RuntimeError: by `step` and `trajectory`, where a state was restored to which nothing recorded has led.
+        RuntimeError: from `step` and `trajectory`, if a state was restored that is not in the record.
     """
 
     def __init__(self, env: gymnasium.Env, output_step: float = 0.005) -> None:
@@ -30,10 +30,10 @@ class RecordTrajectory(gymnasium.Wrapper):
             raise ValueError(f"{env} is no environment of a solar array: record one of solar_env")
         super().__init__(env)
         self._step = output_step
-        self._moments: list[tuple[bytes, list[int]]] = []  # digests of states, and how much was recorded by then
+        self._moments: list[tuple[bytes, list[int]]] = []  # (digest of a state, [samples, contacts] so far)
 
     def reset(self, *, seed: int | None = None, options: dict[str, object] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode, and its record."""
+        """Begin an episode, and a new record of its motion."""
         result = super().reset(seed=seed, options=options)
         self._begin()
         return result
@@ -47,7 +47,7 @@ class RecordTrajectory(gymnasium.Wrapper):
         self._moments = [(self._digest(), [0, 0])]
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Take a step and record it; the record of anything after the present state is discarded."""
+        """Take a step and record its motion; earlier records of motion after the present state are discarded."""
         if not self._moments:
             return super().step(action)
         env: Any = self.unwrapped
@@ -55,8 +55,8 @@ class RecordTrajectory(gymnasium.Wrapper):
         self._recorder.filled[:] = self._moments[known - 1][1]
         try:
             return super().step(action)
-        finally:  # a simulation that cannot go on has come to a state, too
-            if env.simulation.time < time:  # a wrapper beneath has begun an episode
+        finally:  # a failed simulation has also reached a new state
+            if env.simulation.time < time:  # an inner wrapper has begun an episode
                 self._begin()
             elif env.simulation.time == time:  # the step was refused
                 self._recorder.filled[:] = filled
@@ -74,7 +74,7 @@ class RecordTrajectory(gymnasium.Wrapper):
         return hashlib.sha256(state.clock["time"].tobytes() + state.q.tobytes() + state.v.tobytes()).digest()
 
     def _known(self) -> int:
-        """Return the number of the moments recorded up to the present state."""
+        """Return the number of recorded states up to and including the present state."""
         digests = [digest for digest, _ in self._moments]
         if (present := self._digest()) not in digests:
             raise RuntimeError("the present state was restored and nothing recorded has led to it: call reset()")
@@ -82,7 +82,7 @@ class RecordTrajectory(gymnasium.Wrapper):
 
     @property
     def trajectory(self) -> Trajectory:
-        """The episode so far."""
+        """Trajectory of the present episode from the reset to the present state."""
         if len(self._moments) < 2:
             raise gymnasium.error.ResetNeeded("there is nothing recorded yet: call reset() and step()")
         env: Any = self.unwrapped

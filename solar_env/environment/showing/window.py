@@ -1,4 +1,4 @@
-"""The window of the render mode "human"."""
+"""The window that shows frames in the render mode "human"."""
 
 import importlib.util
 import os
@@ -8,14 +8,14 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-_INVISIBLE = ("offscreen", "dummy")  # drivers that SDL takes where there is no display
+_INVISIBLE = ("offscreen", "dummy")  # SDL's video drivers without a visible display
 
 
 def open_display() -> Any:
-    """Open pygame's display, a visible one unless `SDL_VIDEODRIVER` asks for another, and return pygame.
+    """Open pygame's display and return pygame; `SDL_VIDEODRIVER` may choose an invisible display.
 
     Raises:
-        OSError: there is no display on which anybody would see the window.
+        OSError: no display opens, or only an invisible one that `SDL_VIDEODRIVER` did not choose.
     """
     import pygame
 
@@ -35,15 +35,15 @@ def open_display() -> Any:
 
 
 class Window:
-    """A window that shows frames at their rate [Hz]. It opens with the first one; a copy of it begins closed.
+    """A window that shows frames at a given rate [Hz]. The window opens with the first frame; copies begin closed.
 
-    Without pygame, or without a display, the construction raises an error.
+    The construction raises an error without pygame or without a display.
     """
 
     def __init__(self, rate: float) -> None:
         if importlib.util.find_spec("pygame") is None:
             raise gymnasium.error.DependencyNotInstalled("the window needs pygame: pip install 'solar-env[play]'")
-        open_display()  # refuses before anything is compiled
+        open_display()  # raises its error before kernels are compiled
         self._rate = rate
         self._surface: Any = None
         self._clock: Any = None
@@ -52,7 +52,7 @@ class Window:
         return {**vars(self), "_surface": None, "_clock": None}
 
     def show(self, frame: NDArray[np.uint8] | None) -> None:
-        """Show a frame, (height, width, 3) uint8, once its time has come."""
+        """Show a frame (height, width, 3) uint8, after a wait that keeps the frame rate."""
         assert frame is not None
         pygame = open_display()
         image = pygame.surfarray.make_surface(frame.swapaxes(0, 1))
@@ -60,7 +60,7 @@ class Window:
             self._surface, self._clock = pygame.display.set_mode(image.get_size()), pygame.time.Clock()
             pygame.display.set_caption("solar_env")
         self._surface.blit(image, (0, 0))
-        pygame.event.pump()  # else the system takes the window for hung
+        pygame.event.pump()  # otherwise the system reports that the window hangs
         self._clock.tick(self._rate)
         pygame.display.flip()
 

@@ -1,14 +1,13 @@
-"""The control task: what an agent sees, what it is charged, when an episode ends.
+"""The control task: an agent's observations, actions and rewards, and the end of an episode.
 
-`task` has limits, times and motors, and its versions with their prices; `observations`, `features` and `reward` are the
-tables of quantities to observe and to charge; `sensors` adds the hardware's imperfections to observations; `control`
-says when an array has latched or missed its deadline, `periods` begins and ends a control period.
+`task` holds limits, times and driven joints, and the task's versions with their prices. `observations`, `features` and
+`reward` are tables of quantities to observe and to charge. `sensors` adds the hardware's imperfections to observations.
+`drive` turns actions into motor torques. `control` finds the last latching and a missed deadline. `periods` runs a
+control period.
 
-To add
-
-* an observable: its code, a branch of `observations.reading` and a row of `observations.OBSERVABLES`. Tests and the
-  documentation of the environment take it from there. A sensor of a new kind is a field of `hardware.Hardware`.
-* a term of the reward: its code, a branch of `reward.reading` and a row of `reward.REWARD_TERMS`; a version charges it
-  with a weight in its prices. `tests/environment/task/test_reward_terms.py` wants its figure of an imagined deployment.
-* a version: a row of `task.VERSIONS`; a price of another form also a code there and a branch of `reward.cost`.
+* A new observable needs a code, a branch of `observations.reading` and an entry of `observations.OBSERVABLES`, which
+  tests and the environment's documentation read. A new kind of sensor is a field of `hardware.Hardware`.
+* A new reward term needs a code, a branch of `reward.reading` and an entry of `reward.REWARD_TERMS`; a version's prices
+  give its weight. `tests/environment/task/test_reward_terms.py` needs the term's figure for an imagined deployment.
+* A new version is an entry of `task.VERSIONS`; a new form of price also needs a code and a branch of `reward.cost`.
 """

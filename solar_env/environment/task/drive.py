@@ -1,6 +1,6 @@
-"""The hinge drive: the rate that an action asks for, the loop that holds it, and the torque that the motor reaches.
+"""The hinge drive: an action sets a rate setpoint, a rate loop holds the setpoint, and a motor exerts the torque.
 
-Below, `motor` is a row of `motor_type`, and `memory` (MEMORY,) is what a motor's drive remembers.
+In this module `motor` is a record of `motor_type`, and `memory` (MEMORY,) holds the state of that motor's drive.
 """
 
 import math
@@ -15,20 +15,20 @@ from solar_env.environment.task.task import ACTIONS, TORQUE, Task
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 
-# An action of "log_rate" asks for exp(u) times the rate that opens the hinge in CRUISE of the deadline, or, where u is
-# positive, for little more than that rate. u follows REACH times the action with a lag, so that the array feels little
-# of an agent's noise, and nothing of it in the mean.
+# A "log_rate" action asks for exp(u) times the cruise rate, which opens the hinge in CRUISE times the deadline; if u is
+# positive, the action asks for 1 + HASTE u times the cruise rate. u follows REACH times the action with a time constant
+# LAG, which damps an agent's noise; the noise averages to zero.
 CRUISE, REACH, LAG, HASTE = 0.8, 4.5, 5.0, 0.05  # -, -, [s], -
 
-# What a drive remembers: the torque that its loop asked for at the last sample [N m], the setpoint [rad/s], and u.
+# Entries of a drive's memory: the rate loop's torque at the last sample [N m], the rate setpoint [rad/s], and u.
 LOOP_TORQUE, SETPOINT, LOG_RATIO = range(3)
 MEMORY = 3
 
-# A motor: the index of its joint, its greatest torque [N m], the share of the way to a new torque that it goes between
-# two samples and the greatest change of its torque in that time [N m]; the gain of its rate loop [N m s/rad], the share
-# of the way that the loop's filter goes; the rate that an action of 0 asks for [rad/s], the share of the way that u
-# goes, the greatest change of the setpoint [rad/s]; and the load that the loop compensates, at the folded joint [N m]
-# and by how much it falls with the angle [N m/rad].
+# Fields of a motor: the index of its joint, its greatest torque [N m], its response, and the greatest change of its
+# torque [N m]; the gain of its rate loop [N m s/rad], and the response of the loop's filter; the rate for an action of
+# 0 [rad/s], the response of u, and the greatest change of the setpoint [rad/s]; the load that the loop compensates, at
+# the folded joint [N m], and the decrease of that load per joint angle [N m/rad]. A response is the fraction of a step
+# that a lag follows between two samples; changes are between two samples, too.
 _MOTOR = (
     *("torque_limit", "response", "largest_change", "rate_gain", "rate_response"),
     *("cruise", "lag_response", "setpoint_change", "load", "load_slope"),
@@ -37,9 +37,9 @@ motor_type = np.dtype((np.record, np.dtype([("joint", "i8"), *((name, "f8") for 
 
 
 class TaskNumbers(NamedTuple):
-    """A `Task` for kernels: times [s], samples of the drives in a control period, a row of `motor_type` by motor.
+    """A `Task` for kernels: times [s], drive samples per control period, and a record of `motor_type` for each motor.
 
-    For many lanes, which may differ in their motors alone, `motors` has a leading axis.
+    For a batch of environments (lanes), `motors` has a leading axis of lanes; lanes may differ only in their motors.
     """
 
     control_period: float
@@ -54,9 +54,9 @@ class TaskNumbers(NamedTuple):
 
 
 def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
-    """Compute the torque [N m] of springs and harness on a folded joint, and its decrease per joint angle [N m/rad].
+    """Compute the torque of springs and harness on a folded joint [N m], and the torque's decrease per angle [N m/rad].
 
-    Other joints' torques count through the cable loops, which keep the joints' angles in the ratio of the lock angles.
+    Torques of the wing's other joints also count: cable loops keep the joint angles in the ratio of the lock angles.
     """
     wing = [row for row in array.joints if row.side == array.joints[joint].side]
     ratios = np.array([row.lock_angle for row in wing]) / array.joints[joint].lock_angle
@@ -75,7 +75,7 @@ def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
 def motor_row(
     joint: int, torque_limit: float, deadline: float, hardware: Hardware, array: ArrayParameters, period: float
 ) -> tuple[float, ...]:
-    """Return the row of `motor_type` of a motor on a joint, whose drive takes a sample in every period [s]."""
+    """Return the `motor_type` record of the motor on a joint, whose drive samples once in every `period` [s]."""
     load, slope = spring_load(array, joint) if hardware.load_compensation else (0.0, 0.0)
     return (
         joint,
@@ -93,7 +93,7 @@ def motor_row(
 
 
 def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> TaskNumbers:
-    """Return the task and its drives as the kernels take them; the drives know the load of the array's springs."""
+    """Return the numbers of a task and its drives for kernels; the array gives the load that drives compensate."""
     samples = task.samples(hardware)
     period = task.control_period / samples
     about = float(task.torque_limit), float(task.deadline), hardware, array, period
@@ -113,7 +113,7 @@ def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> Task
 
 @kernel
 def numbers_of(lanes, lane):
-    """Return the numbers of one lane."""
+    """Return the task numbers of one lane from the task numbers of all lanes."""
     return TaskNumbers(
         lanes.control_period,
         lanes.deadline,
@@ -129,7 +129,7 @@ def numbers_of(lanes, lane):
 
 @kernel
 def asked_rate(motor, memory, action):
-    """Advance u by a sample under an action of "log_rate" in [-1, 1]; return the joint rate [rad/s] asked for."""
+    """Advance the lagged logarithm u by one sample for an action in [-1, 1]; return the rate asked for [rad/s]."""
     memory[LOG_RATIO] += motor.lag_response * (REACH * action - memory[LOG_RATIO])
     u = memory[LOG_RATIO]
     return motor.cruise * (math.exp(u) if u < 0.0 else 1.0 + HASTE * u)
@@ -137,9 +137,9 @@ def asked_rate(motor, memory, action):
 
 @kernel
 def loop_torque(motor, memory, asked, angle, rate):
-    """Advance the drive's rate loop by a sample, towards the rate `asked` [rad/s]; return the limited, filtered torque.
+    """Advance the rate loop by one sample towards the rate `asked` [rad/s]; return its limited, filtered torque [N m].
 
-    The loop measures `angle` [rad] and `rate` [rad/s].
+    `angle` [rad] and `rate` [rad/s] are the measured angle and rate of the joint.
     """
     change = motor.setpoint_change
     memory[SETPOINT] = min(max(asked, memory[SETPOINT] - change), memory[SETPOINT] + change)
@@ -151,11 +151,11 @@ def loop_torque(motor, memory, asked, angle, rate):
 
 @kernel
 def asked_torque(model, state, task, motor, memory, action, rate_error, settling):
-    """Return the torque [N m] that a drive asks of its motor until the next sample; a settling drive asks for rest."""
+    """Return the torque [N m] that a drive asks of its motor until the next sample; `settling` sets a setpoint of 0."""
     view = view_joint_of(model)(model, state, motor.joint)
     rate = view.rate + rate_error
     if task.action == TORQUE and not settling:
-        # From here the loop takes over after the last latching.
+        # After the last latching the rate loop starts from these values.
         memory[LOOP_TORQUE], memory[SETPOINT] = motor.torque_limit * action, rate
         return memory[LOOP_TORQUE]
     asked = 0.0 if settling else asked_rate(motor, memory, action)
@@ -164,7 +164,7 @@ def asked_torque(model, state, task, motor, memory, action, rate_error, settling
 
 @kernel
 def set_torque(state, motor, torque):
-    """Set the motor's torque until the next sample: the torque asked for, within the motor's lag and rate limit."""
+    """Set the motor's torque for a sample [N m]: the torque asked for, after the motor's lag and rate limit."""
     driven = state.joints[motor.joint]
     if motor.response < 1.0:
         torque = driven.motor_torque + motor.response * (torque - driven.motor_torque)

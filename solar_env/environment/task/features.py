@@ -1,4 +1,4 @@
-"""The table of features: sensor readings, scaled so that values that decide a landing are of order one."""
+"""The table of features: sensor readings on scales where the values that decide a landing are of order one."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,12 +10,12 @@ Values = NDArray[np.float64]
 
 
 class Feature(NamedTuple):
-    """A function of the sensor reading of each joint, by the name that an observation lists.
+    """A function of a joint's sensor reading, which an observation lists by its name.
 
     Attributes:
-        low, high: bounds in the unit, to which it is clipped.
-        source: name of the observable that it is a function of.
-        function: from what the sensor shows (lanes,) and the joint's lock angle [rad] to values (lanes,).
+        low, high: bounds of the clipped feature, in its unit.
+        source: name of the observable whose reading is the argument of `function`.
+        function: maps readings (lanes,) and the joint's lock angle [rad] to feature values (lanes,).
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The table of observables, with the reading of each quantity and the sensor effects on it."""
+"""The table of observables: how each quantity is read from the state, and which sensor effects change its value."""
 
 import itertools
 import math
@@ -18,7 +18,7 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
 from solar_env.support.values import check_name, unknown_name
 
-# Codes of `reading`.
+# Codes of the quantities that `reading` computes.
 THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)
 IN_CONTACT, MAIN_BODY_SPIN, MAIN_BODY_ANGLE, RECENT_PEAK_FORCE, TIME, LOG_SETPOINT = range(8, 14)
 
@@ -27,16 +27,16 @@ GREATEST_AGE = 100
 
 
 class Observable(NamedTuple):
-    """A quantity that can be observed, by the name that an observation lists, with its meaning for the documentation.
+    """A quantity that an observation lists by its name; the documentation prints its meaning.
 
     Attributes:
-        low, high: bounds in the unit, to which it is clipped.
-        code: code for `reading`.
-        by_joint: whether there is one entry a joint.
-        by_motor: whether there is one entry a motor.
-        noise: name of the standard deviation in `Hardware`; None where the reading is exact.
-        encoder: whether it is read in steps of `Hardware.encoder_resolution`.
-        delayed: whether it is shown `Hardware.sensor_delay` control periods late.
+        low, high: bounds of the clipped quantity, in its unit.
+        code: code of the quantity for `reading`.
+        by_joint: whether there is one entry per joint.
+        by_motor: whether there is one entry per motor.
+        noise: name of the noise's standard deviation in `Hardware`; None for an exact reading.
+        encoder: whether the reading is rounded to steps of `Hardware.encoder_resolution`.
+        delayed: whether the reading appears `Hardware.sensor_delay` control periods late.
     """
 
     name: str
@@ -80,7 +80,7 @@ OBSERVABLES = (
 _ROWS: tuple[Observable | Feature, ...] = (*OBSERVABLES, *FEATURES)
 _BY_NAME = {row.name: row for row in _ROWS}
 
-# Names of an observation, in order; names in a tuple take turns joint by joint.
+# Names of observables, in order. The names in a tuple alternate: all of them for joint 1, then for joint 2, ...
 Names = Sequence[str | tuple[str, ...]]
 _DRIVE: tuple[str, ...] = ("theta", "rate", "latched", "motor_torque", "time_to_deadline", "time_since_latch")
 _PAST = tuple(f"{name}_{age}_ago" for age in (1, 2, 3) for name in ("theta", "rate", "motor_torque"))
@@ -93,9 +93,9 @@ OBSERVATIONS: dict[str, Names] = {
 
 
 class Entry(NamedTuple):
-    """One entry of an observation: its joint or motor, 0 for the whole array, and its age [periods].
+    """One entry of the observation vector, with the index of its joint or motor and its age [control periods].
 
-    Its name has `number`, the joint's from 1; `number` is None where the quantity has only one entry.
+    `joint` is 0 for the whole array. `number`, the joint's number from 1, is None if the quantity has a single entry.
     """
 
     observable: Observable | Feature
@@ -105,16 +105,16 @@ class Entry(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name, with the number of the joint and the age."""
+        """Name of the entry, such as "theta_1_2_ago": the observable's name, the joint's number, and the age."""
         joint = f"_{self.number}" if self.number else ""
         return f"{self.observable.name}{joint}" + (f"_{self.age}_ago" if self.age else "")
 
 
 def observation_entries(joints: int, observation: str | Names, driven: Sequence[int] = (0,)) -> tuple[Entry, ...]:
-    """Return the entries, in order, of an observation: one of `OBSERVATIONS`, or a list of names.
+    """Return an observation vector's entries in order; `observation` is a key of `OBSERVATIONS` or a list of names.
 
-    A list has names of `OBSERVABLES`, of `FEATURES`, and of `OBSERVATIONS` for all that these list; "theta_2_ago" is
-    the theta of two control periods ago, and the names in a tuple take turns joint by joint.
+    A list has names from `OBSERVABLES` and `FEATURES`, and keys of `OBSERVATIONS`, which stand for their own lists.
+    "theta_2_ago" is the value of theta two control periods ago. The names in a tuple alternate joint by joint.
 
     Raises:
         ValueError: for an unknown name, a name that is listed twice, or an empty list.
@@ -143,7 +143,7 @@ def observation_entries(joints: int, observation: str | Names, driven: Sequence[
 
 
 def _observable(name: str) -> tuple[Observable | Feature, int]:
-    """Return the observable or feature that a name of an observation stands for, and its age [control periods]."""
+    """Return the observable or feature that a name such as "theta_2_ago" stands for, and the age [control periods]."""
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
     stem, age = (past[1], int(past[2])) if past else (name, 0)
     check_name("the observable", stem, _BY_NAME)
@@ -157,20 +157,20 @@ channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 
 
 def measured_for(entry: Entry) -> tuple[Observable, int]:
-    """Return the quantity that sensors measure for an entry of an observation, and its joint."""
+    """Return the observable that sensors measure for an entry, and the index of the entry's joint or motor."""
     of = entry.observable
     name = of.source if isinstance(of, Feature) else of.name
     return next(row for row in OBSERVABLES if row.name == name), entry.joint
 
 
 def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
-    """Return the (measured,) code, joint and bounds of quantities of joints, as the kernels take them."""
+    """Return a record array (measured,) for kernels with the code, joint and bounds of every measured quantity."""
     return np.array([(row.code, joint, row.low, row.high) for row, joint in measured], dtype=channel_type)
 
 
 @kernel
 def reading(code, j, model, state, task, drives):
-    """Return the exact value of a quantity in its unit, at joint `j`, or by motor at motor `j`; drives (motors, 3)."""
+    """Return the exact value of quantity `code` at joint or motor `j`, in its unit; `drives` is (motors, MEMORY)."""
     joint, joint_state, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
     if code == THETA:
         return view.angle / joint.lock_angle
@@ -206,7 +206,7 @@ def reading(code, j, model, state, task, drives):
 
 @kernel
 def observe(model, state, task, channels, drives, out):
-    """Write the exact values of all channels (measured,), within their bounds, to `out` (measured,) float32."""
+    """Write the exact, clipped values of all quantities in `channels` (measured,) to `out` (measured,) float32."""
     for k in range(channels.size):
         channel = channels[k]
         out[k] = reading(channel.code, channel.joint, model, state, task, drives)
@@ -214,7 +214,7 @@ def observe(model, state, task, channels, drives, out):
 
 
 def observation_table() -> str:
-    """Return the table of observables, in Markdown."""
+    """Return the Markdown table of observables and features for the environment's documentation."""
     cells = []
     for row in _ROWS:
         sensors = "as what it is made of"

@@ -1,7 +1,7 @@
-"""A control period, lane by lane; a single environment is a batch of one lane.
+"""The control period in the environments of a batch, called lanes; a single environment is a batch of one lane.
 
-Below, `models` and `states` are handles of the arrays of all lanes, `task` is a lane's TaskNumbers, and `periods` is
-Periods.
+In this module `models` and `states` are handles to the arrays of all lanes, `task` is one lane's `TaskNumbers`, and
+`periods` is the `Periods` of all lanes.
 """
 
 import math
@@ -21,33 +21,33 @@ from solar_env.mechanics.numerics.by_address import call_at
 from solar_env.mechanics.numerics.handles import arrays_of
 from solar_env.mechanics.numerics.jit import kernel
 
-_SAME = 1e-6  # of a period: less is the rounding of the time
+_SAME = 1e-6  # fraction of a period; smaller differences of time are rounding
 
 
 class Periods(NamedTuple):
-    """The present control periods of all lanes."""
+    """Actions, times and results of the present control period in all lanes."""
 
-    actions: NDArray[np.float64]  # (lanes, motors) torques in units of the limit, or setpoints of the rate; clipped
-    rate_errors: NDArray[np.float64]  # (lanes, samples, motors) of the rates that the drives' loops measure [rad/s]
-    drives: NDArray[np.float64]  # (lanes, motors, MEMORY) what they remember
-    end_times: NDArray[np.float64]  # (lanes,) [s]
-    sample_ends: NDArray[np.float64]  # (lanes,) until when the drives hold the torques [s]
-    samples: NDArray[np.int64]  # (lanes,) number of samples of the drives that are over
-    counters: NDArray[np.int64]  # (lanes, 1) of `advance_lanes` in one lane
-    accounts: NDArray[np.float64]  # (lanes, terms, 2) of `reward.charge`
-    terms: NDArray[np.float64]  # (lanes, terms) of the reward
-    rewards: NDArray[np.float64]  # (lanes,) their sums
-    exact: NDArray[np.float32]  # (lanes, measured) observations
+    actions: NDArray[np.float64]  # (lanes, motors) see `Task.action`; kernels clip actions to [-1, 1]
+    rate_errors: NDArray[np.float64]  # (lanes, samples, motors) errors of the rate loops' measured rates [rad/s]
+    drives: NDArray[np.float64]  # (lanes, motors, MEMORY) memories of the drives
+    end_times: NDArray[np.float64]  # (lanes,) ends of the control periods [s]
+    sample_ends: NDArray[np.float64]  # (lanes,) ends of the drives' present samples [s]
+    samples: NDArray[np.int64]  # (lanes,) numbers of completed drive samples
+    counters: NDArray[np.int64]  # (lanes, 1) queue counters for `advance_lanes`, called with a single lane
+    accounts: NDArray[np.float64]  # (lanes, terms, 2) accounts of `reward.charge`
+    terms: NDArray[np.float64]  # (lanes, terms) reward terms
+    rewards: NDArray[np.float64]  # (lanes,) rewards, the sums of the terms
+    exact: NDArray[np.float32]  # (lanes, measured) exact observations, without sensor effects
     terminated: NDArray[np.bool_]  # (lanes,) whether the episode is over
 
 
 def settling_samples(task: TaskNumbers) -> int:
-    """Return the number of samples of the drives in a settling window, the first and last ones cut short."""
+    """Return the greatest number of drive samples in a settling window, whose first and last sample may be partial."""
     return math.ceil(task.settling_window / task.sample_period) + 1
 
 
 def make_periods(lanes: int, task: TaskNumbers, terms: int, exact: NDArray[np.float32]) -> Periods:
-    """Allocate the arrays of some lanes; `exact` (lanes, measured) holds their observations."""
+    """Allocate the arrays of `Periods`; `exact` (lanes, measured) is the array for exact observations."""
     motors = task.motors.shape[-1]
     return Periods(
         np.zeros((lanes, motors)),
@@ -67,10 +67,10 @@ def make_periods(lanes: int, task: TaskNumbers, terms: int, exact: NDArray[np.fl
 
 @kernel
 def begin_period(state, task, periods, lane):
-    """Forget the peak forces of the last control period, and set the end of the next one.
+    """Reset the peak forces of the last control period, and set the end time of the next control period.
 
-    It ends after a whole number of control periods, which are counted so that rounding does not build up, or with the
-    episode if that ends before.
+    The end time is a multiple of the control period, so that rounding errors do not accumulate; or the end of the
+    episode, if that comes first.
     """
     for j in range(state.joints.size):
         state.joints[j].recent_peak_force = 0.0
@@ -82,7 +82,7 @@ def begin_period(state, task, periods, lane):
 
 @kernel
 def begin_sample(model, state, task, periods, lane):
-    """Set the motor torques, and until when the drives hold them."""
+    """Set the motor torques for the drives' next sample, and the end time of that sample."""
     settling, sample = task.drive_settles and all_latched(state.joints), periods.samples[lane]
     for k in range(task.motors.size):
         motor, action = task.motors[k], min(max(periods.actions[lane, k], -1.0), 1.0)
@@ -95,9 +95,9 @@ def begin_sample(model, state, task, periods, lane):
 
 @kernel
 def end_period(model, state, task, channels, prices, periods, lane):
-    """Charge and observe a period, and record whether the episode is over.
+    """Compute the rewards and observations of a completed control period, and whether the episode is over.
 
-    An episode is over a settling window after the last latching, or when the time for latching is up.
+    An episode is over a settling window after the last latching, or at `task.last_chance` if a joint is still open.
     """
     periods.rewards[lane] = charge(model, state, task, prices, periods.accounts[lane], periods.terms[lane])
     observe(model, state, task, channels, periods.drives[lane], periods.exact[lane])
@@ -109,15 +109,15 @@ def hold_lanes(
     models, states, settings, recorder, arrays, queue, counter, steps_left, statuses,
     address, tasks, channels, prices, periods,
 ):  # fmt: skip
-    """Hold actions for a control period in lanes one after the other, next to other threads that do the same.
+    """Advance lanes from a queue by one control period with held actions; several threads share the queue.
 
     Args:
-        models, states, settings, recorder, arrays, queue, counter, steps_left, statuses: of `advance_lanes`.
-        address: of `advance_lanes` for these.
-        tasks: TaskNumbers of all lanes.
-        channels: (measured,) of `observations.channels`.
-        prices: (terms,) of `reward.Reward`.
-        periods: of all lanes; those that fail keep what they have observed and earned.
+        models, states, settings, recorder, arrays, queue, counter, steps_left, statuses: as in `advance_lanes`.
+        address: address of `advance_lanes` compiled for these arguments.
+        tasks: `TaskNumbers` of all lanes.
+        channels: (measured,) from `observations.channels`.
+        prices: (terms,) from `reward.Reward.rows`.
+        periods: `Periods` of all lanes; a lane that fails keeps its last observation and reward terms.
     """
     while True:
         ticket = take_ticket(counter)
@@ -126,7 +126,7 @@ def hold_lanes(
         lane = queue[ticket]
         model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
         task = numbers_of(tasks, lane)
-        # With too few steps left, the last call ended within a sample.
+        # A lane whose steps ran out in the last call continues within its sample.
         if statuses[lane] != m.TOO_MANY_STEPS:
             begin_period(state, task, periods, lane)
         while state.clock[0].time < periods.end_times[lane]:
@@ -148,7 +148,7 @@ def hold_lanes(
 
 @kernel(inlined=False)
 def observe_lanes(models, states, tasks, channels, drives, lanes, observations):
-    """Write the observation of the present state, `observations` (lanes, measured) float32."""
+    """Write exact observations of the present states of some lanes to `observations` (lanes, measured) float32."""
     for lane in lanes:
         model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
         observe(model, state, numbers_of(tasks, lane), channels, drives[lane], observations[lane])

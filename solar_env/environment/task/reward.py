@@ -1,4 +1,4 @@
-"""The table of physical figures that an episode can be charged for, with their prices."""
+"""The table of physical figures that an episode can be charged for, and the prices of the figures."""
 
 import math
 import sys
@@ -18,16 +18,16 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
 from solar_env.support.values import changed, check_name, is_number, plain
 
-# Codes of `reading`.
+# Codes of the figures that `reading` reads from the state.
 PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_SLIDING_WORK = range(5)
 MOTOR_WORK, PRELATCH_PEAK, TIME, LATENESS, OPENING = range(5, 10)
-# Forms of a price, by name, and the codes of `cost`.
+# Forms of a price by name, with their codes for `cost`.
 FORMS = {"linear": 0, "decades": 1}
 LINEAR, DECADES = FORMS.values()
-# Growth of a figure with its readings at the ends of the control periods: the figure is the latest reading (of a
-# quantity that never falls), the greatest magnitude, or the sum of the magnitudes of the changes.
+# How a figure grows with its readings at the ends of the control periods: the figure is the latest reading (of a
+# quantity that never falls), the readings' greatest magnitude, or the sum of their changes' magnitudes.
 LATEST, GREATEST, CHANGES = range(3)
-# Columns of the account of a term: its figure so far, and its latest reading.
+# Columns of a term's account: the term's figure so far, and the latest reading.
 FIGURE, READING = range(2)
 
 
@@ -37,12 +37,12 @@ _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "of a term of the reward must be f
 
 @dataclass(frozen=True)
 class Price:
-    """The price of a figure, which costs `weight * x`, or in decades `weight * log10(1 + x)`, x being
-    `min(figure / scale, bound)`.
+    """The price of a figure. With x = `min(figure / scale, bound)` the figure costs `weight * x` in the form "linear",
+    and `weight * log10(1 + x)` in the form "decades".
 
     Attributes:
-        scale: amount of the figure that costs 1 at a weight of 1, in the unit of the figure.
-        weight: 0 leaves the term out.
+        scale: amount of the figure for which x is 1, in the unit of the figure.
+        weight: factor on the cost; 0 leaves the term out.
         bound: greatest x.
         form: "linear" or "decades".
     """
@@ -58,23 +58,23 @@ class Price:
 
     @property
     def row(self) -> tuple[int, float, float, float]:
-        """Form, scale, weight and bound, as `price_type` has them."""
+        """Code of the form, scale, weight and bound, in the order of `price_type`."""
         return FORMS[self.form], self.scale, self.weight, self.bound
 
     @property
     def greatest(self) -> float:
-        """The greatest cost."""
+        """Greatest cost of a figure at this price, reached at x = bound."""
         return self.weight * (self.bound if self.form == "linear" else math.log10(1.0 + self.bound))
 
 
 class RewardTerm(NamedTuple):
-    """A term of the reward: minus the growth, in each step, of a figure's cost in a phase of the episode.
+    """A term of the reward: in each step, minus the growth of a figure's cost in a phase of the episode.
 
     Attributes:
-        code: code for `reading`.
+        code: code of the figure for `reading`.
         growth: LATEST, GREATEST or CHANGES.
-        scale: see `Price`; the weight is 0 where neither the version nor the keyword `reward` has one.
-        sign: 1, or -1 for a figure that earns where others cost.
+        scale: see `Price`; the weight is 0 unless the task's version or the keyword `reward` gives a weight.
+        sign: 1 for a figure that costs, -1 for a figure that earns.
     """
 
     name: str
@@ -95,7 +95,7 @@ REWARD_TERMS = (
     RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, 500.0),
     # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
     RewardTerm("wear", _WORK, _WHOLE, "J", SLIDING_WORK, LATEST, 0.1),
-    # Graded: where nothing latches, a search still sees which way leads to the lock.
+    # Graded by distance: if no joint latches, a search still sees in which direction the lock lies.
     RewardTerm("missed_deadline", _MISSED, _DEADLINE, "-", MISSED_DEADLINE, LATEST, 1.0),
     RewardTerm("attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, 0.01),
     RewardTerm("postlock_wear", _WORK, _POSTLOCK, "J", POSTLOCK_SLIDING_WORK, LATEST, 0.05),
@@ -103,11 +103,11 @@ REWARD_TERMS = (
     RewardTerm("prelatch_peak", "peak force, over all joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, 500.0),
     RewardTerm("time", "time", "up to the last latching", "s", TIME, LATEST, 20.0),
     RewardTerm("lateness", "time", "later than a period before the deadline, up to then", "s", LATENESS, LATEST, 1.0),
-    # Every deployment earns this alike, but on the way: an agent paid at the end alone learns nothing on the way there.
+    # All deployments earn the same amount, but step by step: an agent paid only at the end learns nothing before.
     RewardTerm("opening", "mean opening, in lock angles, which is earned", _WHOLE, "-", OPENING, GREATEST, 1.0, -1),
 )
 
-# Terms in which no deployment costs more, or earns less, than a missed deadline does.
+# Terms in which a missed deadline costs at least as much, or earns at most as much, as any other deployment.
 _MISSED_TOO = ("missed_deadline", "time", "lateness", "opening")
 
 _CODES, _NUMBERS = ("code", "growth", "sign", "form"), ("scale", "weight", "bound")
@@ -118,26 +118,26 @@ price_type = np.dtype((np.record, np.dtype(_PRICE, align=True)))
 Told = Mapping[str, float]
 """The figures of all terms so far, by name and in their units, and "time_s"."""
 RewardFunction = Callable[[Told, Told], float]
-"""A reward of one's own: of what is told before a step, and after it."""
-OWN = "own"  # name of its only term
+"""A user's reward: a function of the figures before and after a step."""
+OWN = "own"  # name of the only term of a user's reward function
 
 
 class Reward:
-    """The terms of an environment's reward: the prices of a version with some changed, or a function instead.
+    """The reward of an environment: a task version's prices with changes, or a user's function.
 
     Args:
-        changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`; or a function.
-        version: of the task.
+        changes: mapping of terms to a weight, a mapping of changes to the `Price`, or a `Price`; or a user's function.
+        version: version of the task.
 
     Attributes:
-        prices: by name, of all terms.
-        function: the function, if there is one; then all figures are kept for it.
-        names: of the terms that are charged, whose weight is not zero, in the order of `REWARD_TERMS`.
-        rows: codes, growths and prices of the figures that are kept, of `price_type`, for the kernels.
+        prices: price of every term, by name of the term.
+        function: the user's function, which gets all figures; or None.
+        names: names of the charged terms, whose weight is not zero, in the order of `REWARD_TERMS`.
+        rows: records of `price_type` for kernels, with code, growth and price of every recorded figure.
 
     Raises:
         ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
-            terms can together.
+            terms, without time, lateness and opening, can cost together.
     """
 
     def __init__(
@@ -176,12 +176,12 @@ class Reward:
         return np.array(rows, dtype=price_type)
 
     def told(self, time: float, account: NDArray[np.float64]) -> Told:
-        """Return the time [s] and the figures of an episode's account (terms, 2), as a reward function takes them."""
+        """Return time [s] and figures by name, from an episode's account (terms, 2), for a user's reward function."""
         figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
         return {"time_s": time, **figures}
 
     def own(self, before: Told, after: Told) -> float:
-        """Return the function's reward for a step; a result that is no finite number raises a ValueError."""
+        """Return the user function's reward for a step; a result that is no finite number raises a ValueError."""
         assert self.function is not None
         value: Any = plain(self.function(before, after))
         if not is_number(value) or not math.isfinite(value):
@@ -195,9 +195,9 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 
 
 def v1_return(figures: Mapping[str, Any]) -> float:
-    """Compute the return of a deployment at the prices of v1, the yardstick of all pages, from its figures in `info`.
+    """Compute a deployment's return at the prices of version 1, which all pages quote, from its figures in `info`.
 
-    A late deployment costs as much as v1 charges at its deadline, without the distance that was left.
+    A late deployment costs as much as version 1 charges at the deadline, without the remaining distance to the lock.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
@@ -207,7 +207,7 @@ def v1_return(figures: Mapping[str, Any]) -> float:
 
 @kernel
 def distance_to_lock(model, state):
-    """Return the mean distance of the joints to their locks, in lock angles; beyond its lock a joint counts as 0."""
+    """Return the joints' mean distance to their locks, in lock angles; a joint beyond its lock counts as 0."""
     total = 0.0
     for j in range(state.joints.size):
         total += max(1.0 - view_joint_of(model)(model, state, j).angle / model.joints[j].lock_angle, 0.0)
@@ -216,7 +216,7 @@ def distance_to_lock(model, state):
 
 @kernel
 def reading(code, model, state, task):
-    """Return the present reading of a figure, in its unit."""
+    """Return the present reading of the figure with a given code, in the figure's unit."""
     latched = state.clock[0].latched_joints > 0
     if code == MISSED_DEADLINE:
         return 1.0 + distance_to_lock(model, state) if missed_deadline(state, task) else 0.0
@@ -255,9 +255,9 @@ def cost(price, figure):
 
 @kernel
 def charge(model, state, task, prices, account, terms):
-    """Write to `terms` (terms,) minus what a period has cost, bring the account up to date, and return the sum.
+    """Write the reward terms of a control period to `terms` (terms,), update the account, and return the terms' sum.
 
-    The account (terms, 2) holds figures charged so far and latest readings; both are zero when an episode begins.
+    The account (terms, 2) holds the figures charged so far and the latest readings; an episode begins with zeros.
     """
     total = 0.0
     for k in range(prices.size):
@@ -276,7 +276,7 @@ def charge(model, state, task, prices, account, terms):
 
 
 def reward_table() -> str:
-    """Return the table of terms, in Markdown."""
+    """Return the Markdown table of reward terms for the environment's documentation."""
     prices, rows = Reward().prices, []
     for term in REWARD_TERMS:
         price = prices[term.name]

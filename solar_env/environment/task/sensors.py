@@ -1,4 +1,4 @@
-"""Sensors between the exact state and the observation: noise, steps of an encoder, delay, and memory of the past."""
+"""Sensors that turn exact values into observations, with noise, encoder steps, delay, and memory of past values."""
 
 from collections.abc import Sequence
 from copy import deepcopy
@@ -13,7 +13,7 @@ from solar_env.environment.task.observations import LOCK_ANGLE, Entry, channels,
 
 
 class Memory(NamedTuple):
-    """The memory of the sensors of one lane; the generator is a copy."""
+    """The state of the sensors in one lane (environment of a batch), with a copy of their random number generator."""
 
     exact: NDArray[np.float32]
     observed: NDArray[np.float32]
@@ -23,12 +23,12 @@ class Memory(NamedTuple):
 
 
 class Sensors:
-    """Sensors that turn exact observations, lane by lane, into observed ones.
+    """Sensors of all lanes (environments of a batch), which turn exact values into observations.
 
     Attributes:
-        channels: (measured,) every quantity of a joint that the entries show, now or later.
-        exact: (lanes, measured) float32, as ideal sensors see them; to be written before every measurement.
-        observed: (lanes, entries) float32, as the controller gets them.
+        channels: (measured,) records of all quantities that the observation's entries show, now or later.
+        exact: (lanes, measured) float32, values of ideal sensors; callers write these before every measurement.
+        observed: (lanes, entries) float32, observations for the controller.
     """
 
     def __init__(self, lanes: int, lock_angles: Sequence[float], entries: Sequence[Entry], hardware: Hardware) -> None:
@@ -56,17 +56,17 @@ class Sensors:
         self._pipeline = np.zeros((lanes, hardware.sensor_delay + 1, self._late.size), dtype=np.float32)
         self._past = np.zeros((lanes, self._age.max() + 1, len(measured)), dtype=np.float32)
         self._arrays = (self.exact, self.observed, self._pipeline, self._past)
-        self._generators: list[Any] = [None] * lanes  # of NumPy, once an episode has begun
+        self._generators: list[Any] = [None] * lanes  # NumPy generators; None before the first episode
         self._rate_noise = hardware.rate_noise
 
     def draw_rate_errors(self, lanes: NDArray[np.int64], errors: NDArray[np.float64]) -> None:
-        """Draw errors (all lanes, samples, motors) of the rates [rad/s] that the loops in some lanes (k,) measure."""
+        """Draw `errors` (all lanes, samples, motors) [rad/s] of the rate loops' measured rates, for some lanes (k,)."""
         if self._rate_noise > 0.0:
             for lane in lanes:
                 errors[lane] = self._rate_noise * self._generators[lane].standard_normal(errors.shape[1:])
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
-        """Observe the first state of new episodes in some lanes (k,), as if it had lasted; generators (k,) of noise."""
+        """Observe the first state of episodes in lanes (k,), also as the past; `generators` (k,) draw the noise."""
         for lane, generator in zip(lanes, generators, strict=True):
             self._generators[lane] = generator
         if self._transparent:
@@ -77,7 +77,7 @@ class Sensors:
         self._show(lanes)
 
     def measure(self, lanes: NDArray[np.int64]) -> None:
-        """Observe the present state of some lanes (k,)."""
+        """Update `observed` in some lanes (k,) from `exact`, with noise, encoder steps and delays."""
         if self._transparent:
             return
         measured = self._measured(lanes)
@@ -88,7 +88,7 @@ class Sensors:
         self._show(lanes)
 
     def _show(self, lanes: NDArray[np.int64]) -> None:
-        """Let the controller see what was measured, now and before."""
+        """Write present and past measurements, and the features of these, to `observed`."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
         for k, feature, lock_angle in self._features:
@@ -97,21 +97,21 @@ class Sensors:
         self.observed[lanes] = observed
 
     def memory(self, lane: int) -> Memory:
-        """Return a copy of the memory of a lane, with the values that it shows now."""
+        """Return a copy of the sensors' state in a lane, with exact and observed values."""
         exact, observed, pipeline, past = (values[lane].copy() for values in self._arrays)
         return Memory(exact, observed, pipeline, past, deepcopy(self._generators[lane]))
 
     def recall(self, lane: int, memory: Memory) -> None:
-        """Restore the sensors of a lane from a result of `memory`, which can be used again and again."""
+        """Restore the sensors' state in a lane from a result of `memory`, which stays unchanged."""
         for mine, theirs in zip(self._arrays, memory[:4], strict=True):
             mine[lane] = theirs
         if self._generators[lane] is None:
             self._generators[lane] = deepcopy(memory.generator)
-        else:  # the lane's generator, from which its next parameters are drawn, too
+        else:  # the same object, from which the lane also draws its next parameters
             self._generators[lane].bit_generator.state = memory.generator.bit_generator.state
 
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Return the (k, measured) exact values with noise and in steps of the encoder."""
+        """Return clipped measurements (k, measured) of some lanes (k,): exact values with noise and encoder steps."""
         measured = self.exact[lanes]
         if self._noise.any():
             for row, lane in enumerate(lanes):

@@ -1,4 +1,4 @@
-"""The control task: limits, times and motors, as users give them and as kernels take them; its versions."""
+"""The control task as users define it: limits, times, action and driven joints; and the versions of the task."""
 
 import math
 import sys
@@ -20,20 +20,20 @@ _TIME = Usual(1e-4, 5e3, "s", "ms")
 
 @dataclass(frozen=True)
 class Task:
-    """Limits and times of the task, and the hinge that the motor sits on.
+    """The control task: its limits and times, the kind of action, and the joints with motors.
 
     Attributes:
         torque_limit: greatest motor torque [N m].
         control_period: time between two actions [s].
-        deadline: time by which every joint is to have latched [s].
-        overtime: time after the deadline for which an episode goes on while a joint is open, in deadlines.
-        settling_window: time after the last latching during which the episode goes on [s].
-        drive_settles: whether the drive alone brings the array to rest after the last latching; the step in which it
-            latches then lasts until the episode ends.
-        driven_joint: index of the joint that the motor works on, 0 is the root hinge; or several, each with a motor, a
-            drive and an entry of the action of its own.
-        action: "torque", in units of the torque limit, or "log_rate", the logarithm of the setpoint of the drive's rate
-            loop, behind a lag.
+        deadline: time by which every joint should have latched [s].
+        overtime: time by which an episode with an open joint continues after the deadline, divided by the deadline.
+        settling_window: time after the last latching until the episode ends [s].
+        drive_settles: whether the drive alone brings the array to rest after the last latching; the step of that
+            latching then lasts until the episode ends.
+        driven_joint: index of the joint with the motor, 0 for the root hinge; or several indices of joints, each with a
+            motor, a drive and an entry of the action.
+        action: "torque", a motor torque divided by the torque limit; or "log_rate", the logarithm of the rate loop's
+            setpoint, which follows the action with a lag.
     """
 
     torque_limit: float = number(MISSING, _POSITIVE, Usual(1e-4, 200.0, "N m", "N mm"))
@@ -60,16 +60,16 @@ class Task:
 
     @property
     def driven_joints(self) -> tuple[int, ...]:
-        """Joint of each motor; an action has an entry for each."""
+        """Index of each motor's joint; an action has one entry per motor."""
         return self.driven_joint if isinstance(self.driven_joint, tuple) else (self.driven_joint,)
 
     @property
     def has_loop(self) -> bool:
-        """True if the drives have a rate loop to close."""
+        """True if the drives have a rate loop, for "log_rate" actions or for settling."""
         return ACTIONS[self.action] != TORQUE or self.drive_settles
 
     def samples(self, hardware: Hardware) -> int:
-        """Return the drive's number of samples per control period, a whole one; 1 where the drive has no rate loop."""
+        """Return the drive's samples per control period, 1 without a rate loop; a fraction raises a ValueError."""
         if not self.has_loop:
             return 1
         samples = self.control_period * hardware.rate_loop_frequency
@@ -82,9 +82,9 @@ class Task:
 
 
 class Version(NamedTuple):
-    """A version of the task, the number in an environment's id: limits and times, changes to the scenario's hardware,
-    further changes with rigid panels, the observation, and the prices of the terms that are charged, in the words of
-    the keywords `hardware`, `observation` and `reward`.
+    """A version of the task, such as "v2" in an environment's id: the task, changes to the scenario's hardware, further
+    changes for rigid panels, the observation, and the prices of charged terms. The values have the form of the keywords
+    `hardware`, `observation` and `reward`.
     """
 
     task: Task
@@ -112,9 +112,9 @@ VERSIONS = {
             drive_settles=True,
             action="log_rate",
         ),
-        # A reading that comes a period of 0.1 s late in version 1 is there within a period of 0.5 s.
+        # A reading that is late by one period of version 1, 0.1 s, arrives within a period of 0.5 s.
         {"setpoint_rate_limit": 0.05, "load_compensation": True, "sensor_delay": 0},
-        # For rigid panels: flexible panels shake with so stiff a loop.
+        # Only for rigid panels: a loop with this gain shakes flexible panels.
         {"rate_loop_gain": 25.0, "rate_loop_frequency": 20.0},
         "scaled",
         {

@@ -1,4 +1,4 @@
-"""Analyses of a mechanism at rest: equilibria, linearisation, natural frequencies, shapes for drawing.
+"""Analyses of a mechanism: static equilibria, linearization, natural frequencies, and centrelines for drawing.
 
-Imports `equations` and `running`. A new analysis is a module with plain functions of a simulation or a model.
+The package imports `running` and the packages below. A new analysis is a module of functions of a mechanism or a model.
 """

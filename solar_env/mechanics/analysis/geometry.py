@@ -1,4 +1,4 @@
-"""Shapes of bodies from their coordinates, for drawing and for figures. Plain NumPy."""
+"""Centrelines of bodies, computed from the coordinates for drawings and figures. Plain NumPy."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,15 +10,15 @@ Array = NDArray[np.float64]
 
 
 def centreline(model: ModelArrays, q: Array, body: int, points_per_element: int = 8) -> Array:
-    """Return the points along the axis of a body, from its first end to its last, as a polyline.
+    """Return a polyline along a body's axis, from the body's first end to its last.
 
-    Every element of a beam gives equally spaced points of its cubic polynomial; a modal panel counts as eight elements.
+    Points are equally spaced on the cubic polynomial of every beam element; a modal panel counts as eight elements.
 
     Args:
-        model: of the mechanism.
-        q: (..., n) generalized coordinates, at one time or at several.
-        body: row of the body in `model.bodies`.
-        points_per_element: points on every element beyond its first node, 1 or more.
+        model: model arrays of the mechanism.
+        q: (..., n) generalized coordinates, at one time or at several times.
+        body: index of the body in `model.bodies`.
+        points_per_element: number of points on every element beyond its first node, 1 or more.
 
     Returns:
         (..., k, 2) points [m]; k = elements * points_per_element + 1, or 2 for a rigid body.

@@ -1,6 +1,6 @@
-"""Small motions about the initial state with their natural frequencies, and equilibria at rest.
+"""Linearization about the initial state, natural frequencies and modes, and static equilibria of a mechanism.
 
-The matrices come from Newton's equations of the implicit integrator (`generalized_alpha.py`).
+The matrices come from the Newton iteration of the implicit integrator (`generalized_alpha.py`).
 """
 
 import math
@@ -21,32 +21,32 @@ from solar_env.mechanics.running.simulation import Simulation
 
 Matrix = NDArray[np.float64]
 
-_SYMMETRY = 1e-9  # greatest relative asymmetry of a stiffness that has a potential
+_SYMMETRY = 1e-9  # greatest relative asymmetry of a stiffness matrix whose forces have a potential
 _MOST_ITERATIONS = 60  # most Newton iterations for an equilibrium
-_TOLERANCE = 1e-11  # tolerance of a correction, relative to the length scale
+_TOLERANCE = 1e-11  # tolerance of a Newton correction, relative to the length scale
 
 
 class Linearization(NamedTuple):
-    """Matrices of M a + D v + K x + C^T (multipliers) = 0 with C x = 0, for small coordinates x.
+    """Matrices of M a + D v + K x + C^T (multipliers) = 0 with C x = 0, for small changes x of the coordinates.
 
-    The coordinates of fixed bodies have zero rows and columns, and are held.
+    Coordinates of fixed bodies do not move; their rows and columns are zero.
     """
 
     mass: Matrix  # (n, n)
     damping: Matrix  # (n, n)
-    stiffness: Matrix  # (n, n), including the constraint forces' stiffness
+    stiffness: Matrix  # (n, n), including the stiffness of constraint forces
     constraints: Matrix  # (m, n)
 
 
 class NewtonEquations:
-    """Newton's equations of a mechanism at a configuration, as dense matrices.
+    """Residual and matrix of the Newton iteration for a mechanism at a configuration, as dense arrays.
 
-    Stops act; contacts in clearance joints do not: they begin in motion only.
+    Stops act. Contacts in clearance joints do not act, because a contact begins only in motion.
     """
 
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state
-        # Within a step a stop that is met later must not act; here it acts wherever the angle lies in it.
+        # In a run a stop acts only after the event that engages it; here it acts wherever the angle lies in the stop.
         state.joints["stop_engaged"] = 1
         self.work: Workspace = make_workspace(model, state)
         self.iteration: Iteration = make_iteration(model, state, self.work)
@@ -55,12 +55,12 @@ class NewtonEquations:
         self.moving = np.flatnonzero(model.elimination.position >= 0)  # unknowns that are not held
 
     def residual(self, model: Model) -> Matrix:
-        """Return minus the forces' imbalance and constraints' violation (unknowns,); `model` may have other loads."""
+        """Return the negative residuals (unknowns,) of dynamics and constraints, under the loads of `model`."""
         fill_residual(model, self.state, self.iteration, self.work, 0.0, 1.0)
         return np.asarray(self.iteration.rhs)
 
     def matrix(self, model: Model) -> Matrix:
-        """Return the (unknowns, unknowns) stiffness, bordered by the constraints. Call `residual` before."""
+        """Return the stiffness matrix (unknowns, unknowns), bordered by constraint gradients. Call `residual` first."""
         it = self.iteration
         linearize_forces(model, self.state.joints, it.q, it.v, it.newton)
         assemble(model, it.q, it.multipliers, self.work.row_value, it.newton, (0.0, 0.0, 1.0))
@@ -71,7 +71,7 @@ def linearize(mechanism: Mechanism) -> Linearization:
     """Linearize a mechanism about its initial state.
 
     Raises:
-        ValueError: if the constraints are violated there, or redundant.
+        ValueError: if the constraints are violated in the initial state, or redundant.
     """
     simulation = Simulation(mechanism)
     model, state = simulation.model, simulation.state
@@ -88,19 +88,19 @@ def linearize(mechanism: Mechanism) -> Linearization:
 
 
 def natural_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
-    """Return the undamped natural frequencies [Hz] at the initial state, ascending; rigid-body motions count as zeros.
+    """Return the undamped natural frequencies (k,) [Hz] at the initial state, ascending; rigid-body motions give zeros.
 
     Raises:
-        ValueError: As `natural_modes`.
+        ValueError: as in `natural_modes`.
     """
     return natural_modes(mechanism)[0]
 
 
 def natural_modes(mechanism: Mechanism) -> tuple[NDArray[np.float64], Matrix]:
-    """Return the undamped natural frequencies (k,) [Hz] and shapes (n, k) at the initial state, ascending.
+    """Return the undamped natural frequencies (k,) [Hz], ascending, and the mode shapes (n, k) at the initial state.
 
     Raises:
-        ValueError: if the forces have no potential, or an equilibrium is unstable.
+        ValueError: if the forces have no potential, or the initial state is an unstable equilibrium.
     """
     mass, _, stiffness, constraints = linearize(mechanism)
     held = np.flatnonzero(~mass.any(axis=0))
@@ -117,13 +117,13 @@ def natural_modes(mechanism: Mechanism) -> tuple[NDArray[np.float64], Matrix]:
 
 
 def static_equilibrium(mechanism: Mechanism, load_steps: int = 10) -> NDArray[np.float64]:
-    """Return the coordinates (n,) at rest under springs, weight and loads; drives stay at their angles of t = 0.
+    """Return the coordinates (n,) at rest under springs, weight and loads; drives keep their angles at t = 0.
 
-    Weight and loads grow in equal steps, so that large deflections are reached from the initial state. Stops act,
+    Weight and loads grow in `load_steps` equal steps, so that Newton's iteration reaches large deflections. Stops act;
     contacts in clearance joints do not.
 
     Raises:
-        SimulationError: if the iteration does not converge.
+        SimulationError: if the iteration does not converge, or the mechanism can move freely.
     """
     simulation = Simulation(mechanism)
     model, state = simulation.model, simulation.state

@@ -1,5 +1,5 @@
-"""Arrays of a model and of its state, in the layout that kernels read, for one mechanism or many side by side.
+"""Model and state arrays in the layout that kernels read, for one mechanism or for a batch of mechanisms.
 
-Imports `numerics`. A new quantity of a joint is a field of its record type in `model`; the rows of bodies and markers
-are made in `bodies`, where the kinds of body are.
+The package imports `numerics`. To add a joint quantity, add a field to a joint record type in `model`. The record types
+of bodies and markers are defined in `bodies`.
 """

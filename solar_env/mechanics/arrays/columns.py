@@ -1,7 +1,7 @@
-"""Columns of the tables of joints, and the laws of the torques about a hinge, a row each.
+"""Columns of the joint tables, and `TORQUES`, the table of all torque laws at a hinge.
 
-A row of `TORQUES` has the torque's name, the energy that it stores, and the energy that it puts in or loses. Integrals,
-energies, trajectories, files and sums of torques follow from the rows. The compiled laws are in `joints/torques`.
+A `TORQUES` entry names a torque and the energies that the torque stores, supplies or dissipates. Integrals, energies,
+trajectories, files and torque sums follow from the entries. The compiled torque laws are in `joints/torques`.
 """
 
 from typing import NamedTuple
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 
-# A joint's motion: the first columns of every table of joints.
+# Columns of a joint's motion, the first ones of every joint table.
 ECCENTRICITY_X, ECCENTRICITY_Y, ANGLE, RATE, OUTBOARD_SPIN, INBOARD_SPIN = range(6)
 SHARED_COLUMNS = 6
-# Behind them, in the table of joint loads that one evaluation fills; the torques stand side by side.
+# Further columns of the joint-load table, which one evaluation of the forces fills; torque columns are adjacent.
 NORMAL, TANGENTIAL, FORCE_X, FORCE_Y = range(6, 10)
 SPRING_TORQUE, CABLE_TORQUE, LATCH_TORQUE, MOTOR_TORQUE, HARNESS_TORQUE, DAMPING_TORQUE, HINGE_FRICTION_TORQUE = range(
     10, 17
@@ -23,15 +23,15 @@ LOAD_COLUMNS = 17
 
 
 class TorqueLaw(NamedTuple):
-    """A torque about a hinge, on the joint's angle [N m].
+    """A torque law at a hinge; its torque [N m] acts on the joint angle.
 
     Attributes:
         name: the torque's name in trajectories.
-        column: the torque's column in the table of loads.
-        energy: name of the energy that it stores; empty if it stores nothing.
-        book: name of the energy that it puts in or loses; empty if neither.
-        integral: column of `book` among a joint's integrals.
-        lost: whether `book` is lost; else it is put in.
+        column: the torque's column in the joint-load table.
+        energy: name of the energy that the torque stores; empty if it stores no energy.
+        book: name of the energy that the torque supplies or dissipates; empty if neither.
+        integral: column of the energy `book` among a joint's integrals.
+        lost: whether the energy `book` is dissipated; otherwise it is supplied.
     """
 
     name: str
@@ -42,7 +42,7 @@ class TorqueLaw(NamedTuple):
     lost: bool = False
 
 
-# In the order of their columns, in which they are added.
+# All torque laws in the order of their columns, which is also the order of summation.
 TORQUES = (
     TorqueLaw("spring_torque", SPRING_TORQUE, energy="spring"),
     TorqueLaw("cable_torque", CABLE_TORQUE, energy="cable", book="cable_work", integral=m.CABLE_WORK),
@@ -64,5 +64,5 @@ FIRST_TORQUE, END_OF_TORQUES = TORQUES[0].column, TORQUES[-1].column + 1
 
 
 def total_torque(loads: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the sum of the torques [N m] of all laws in tables of loads (..., columns)."""
+    """Return the hinge torque [N m] (...,), summed over all torque laws, from joint-load tables (..., columns)."""
     return np.asarray(loads[..., FIRST_TORQUE:END_OF_TORQUES].sum(axis=-1))

@@ -1,4 +1,4 @@
-"""Mechanisms of one structure side by side: every array has a leading axis of lanes, one row for each of them."""
+"""Arrays for batches of mechanisms with equal structure; each mechanism is a lane, an index of the leading axis."""
 
 from collections.abc import Iterator
 from typing import Any, TypeVar
@@ -10,12 +10,12 @@ from numba.core.typing.templates import Signature
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-# A named tuple of arrays, of numbers and of such tuples.
+# A nested named tuple whose entries are arrays, numbers or such tuples.
 Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
 def with_lane_axis(arrays: Arrays) -> Arrays:
-    """Return the arrays of one mechanism as a single lane; arrays share their memory, numbers are copied."""
+    """Return a mechanism's arrays with a lane axis of length one; arrays share their memory, numbers are copied."""
     return _mapped(lambda entry: np.asarray(entry)[np.newaxis], arrays)
 
 
@@ -30,20 +30,20 @@ def allocate_lanes(arrays: Arrays, lanes: int) -> Arrays:
 
 
 def lane_view(lanes: Arrays, lane: int) -> Arrays:
-    """Return the arrays of one lane, in Python and in kernels; they share memory with the arrays of all lanes."""
+    """Return views of one lane's arrays, which share memory with `lanes`; works in Python and in kernels."""
     return _mapped(lambda entry: entry[lane], lanes)
 
 
 def copied(arrays: Arrays) -> Arrays:
-    """Return independent copies of the arrays."""
+    """Return a nested named tuple with independent copies of all arrays."""
     return _mapped(np.copy, arrays)
 
 
 def check_structure(lanes: Arrays, arrays: Arrays) -> None:
-    """Check that a mechanism's arrays have the shapes of the lanes' arrays.
+    """Check that a mechanism's arrays have the same shapes as the arrays of one lane.
 
     Raises:
-        ValueError: if the mechanism has another structure; names the array.
+        ValueError: if a shape differs; the message names the array.
     """
     for name, target, source in _pairs(lanes, arrays):
         shape = np.shape(source)
@@ -55,13 +55,13 @@ def check_structure(lanes: Arrays, arrays: Arrays) -> None:
 
 
 def fill_lane(lanes: Arrays, lane: int, arrays: Arrays) -> None:
-    """Copy the arrays of a mechanism of the lanes' structure into a lane."""
+    """Copy a mechanism's arrays into one lane; the structures must be equal."""
     for _, target, source in _pairs(lanes, arrays):
         target[lane] = source
 
 
 def _pairs(lanes: Any, arrays: Any) -> Iterator[tuple[str, NDArray[Any], Any]]:
-    """Yield name, array of all lanes and array of one mechanism for every entry of two nested named tuples."""
+    """Yield (name, array of all lanes, array of one mechanism) for every entry of two nested named tuples."""
     for name, target, source in zip(lanes._fields, lanes, arrays, strict=True):
         if isinstance(target, tuple):
             yield from _pairs(target, source)
@@ -78,7 +78,7 @@ def _mapped(function: Any, arrays: Any) -> Any:
 
 @overload(lane_view, inline="always")
 def _compiled_lane_view(lanes, lane):
-    """Compile `lane_view` as a call of the named tuple's class, which Numba cannot derive from a loop."""
+    """Compile `lane_view` as a written-out call of the tuple's class: Numba cannot build a named tuple in a loop."""
     classes: dict[str, Any] = {}
 
     def construction(kind: types.BaseNamedTuple, path: str) -> str:
@@ -97,7 +97,7 @@ def _compiled_lane_view(lanes, lane):
 
 
 def take_ticket(counter: NDArray[np.int64]) -> int:
-    """Return `counter[0]` and raise it by one. Compiled, this is atomic: no two threads get the same number."""
+    """Return `counter[0]` and raise it by one. The compiled call is atomic: no two threads get the same number."""
     ticket = int(counter[0])
     counter[0] += 1
     return ticket

@@ -1,4 +1,4 @@
-"""The step in hand, as the run loop and all methods see it: its trial, and the motion of the joints at its ends."""
+"""Records of the current step, shared by run loop and methods: the tried step, and the joints' motion at its ends."""
 
 import numpy as np
 
@@ -7,22 +7,22 @@ from solar_env.mechanics.arrays.model import record
 trial_type = record(
     [
         ("wanted", np.float64),  # step [s] that the method would take if the call did not end
-        ("step", np.float64),  # step [s] that is tried: at most up to the end of the call
-        ("error", np.float64),  # in units of the tolerance
-        ("retry", np.float64),  # step [s] to try after a refused one if the error does not tell; negative: give up
-        ("reason", np.int64),  # status code of a method that has no step left to try; 0 leaves it to the run loop
+        ("step", np.float64),  # step [s] that is tried; it ends at the end of the call at the latest
+        ("error", np.float64),  # error of the step in units of the tolerance
+        ("retry", np.float64),  # step [s] to try after a rejection; 0: derive it from the error; negative: give up
+        ("reason", np.int64),  # status code if the method gives up; 0: the run loop chooses the code
         ("joint", np.int64),  # joint that has kept the method from solving its equations, or -1
         ("last", np.int64),  # whether the step ends the call
-        ("cuts", np.int64),  # how often it has been solved again, to end on an event
-        ("at_once", np.int64),  # number of events that have followed each other without time between them
-        # Of methods in stages: whether the stability of the flexible bodies bounds the step.
+        ("cuts", np.int64),  # number of times that the step was shortened to end on an event
+        ("at_once", np.int64),  # number of events that have followed each other with no time between
+        # In methods with stages: whether the stability limit of the flexible bodies bounds the step.
         ("bound", np.int64),
-        # Whether it is linearly implicit: the accelerations at its end solve the equations of motion only to its
-        # tolerance, and the workspace holds no evaluation of accelerations there.
+        # Whether the step is linearly implicit. Its end accelerations then solve the equations of motion only to the
+        # tolerance, and the workspace holds no evaluation of accelerations at the end.
         ("implicit", np.int64),
-        # Whether it corrects for stiff contacts: accelerations in between differ from those at its ends.
+        # Whether the step corrects for stiff contacts: accelerations inside the step then differ from its end values.
         ("stiff_contacts", np.int64),
-        ("level", np.int64),  # level of modal panels' tables
+        ("level", np.int64),  # level of the modal panels' tables for the step size; -1 if the size is not tabulated
     ]
 )
 

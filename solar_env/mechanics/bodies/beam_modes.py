@@ -1,14 +1,14 @@
-"""Modes of a free uniform beam as its ends see them, with the exact flexibility of all modes that are left out.
+"""Modes of a free uniform beam as frequencies and end values, with the exact flexibility of all omitted modes.
 
 A slender beam without supports bends in modes of the wave numbers x_k / L, with cos x_k cosh x_k = 1, and stretches in
 modes of the wave numbers k pi / L (S. Timoshenko, D. H. Young and W. Weaver, Vibration Problems in Engineering,
-4th ed., Wiley 1974, chapter 5). Where loads act at the ends alone, a mode is its frequency and its row of end values.
+4th ed., Wiley 1974, chapter 5). If loads act only at the ends, a frequency and the end values describe a mode fully.
 
-Modes above those that are kept answer slow loads as springs, and faster ones with terms in powers of the squared
-frequency. A few pseudo-modes stand for both: the Krylov vectors omega^-2p v of the discarded modes, with v their end
-values, made orthogonal (R. H. MacNeal, Comput. Struct. 1 (1971) 581, doi:10.1016/0045-7949(71)90031-9, for p = 1).
-They depend on the sums of v v^T omega^-2p over all discarded modes alone. These sums are Hurwitz zeta functions, since
-x_k equals (k + 1/2) pi in all digits from some k on: no mode is cut off.
+The omitted higher modes respond to slow loads as springs, and to faster loads with terms in powers of the squared
+frequency. A few pseudo-modes represent both effects. They are the orthogonalized Krylov vectors omega^-2p v, where v
+are the end values of the omitted modes (R. H. MacNeal, Comput. Struct. 1 (1971) 581,
+doi:10.1016/0045-7949(71)90031-9, for p = 1). They depend only on the sums of v v^T omega^-2p over all omitted modes.
+These sums are Hurwitz zeta functions, since x_k equals (k + 1/2) pi in all digits from some k on: no mode is cut off.
 """
 
 import math
@@ -23,19 +23,19 @@ from numpy.typing import NDArray
 # The Gram matrices of the Krylov vectors are nearly singular: double precision would not suffice.
 _CONTEXT = mpmath.MPContext()
 _CONTEXT.dps = 50
-# From here on cos x_k = 1 / cosh x_k is zero in all digits.
+# Mode number beyond which cos x_k = 1 / cosh x_k is zero in all digits.
 _ASYMPTOTIC = 40
 
 Real = Any  # a number of mpmath
 
 
 class EndModes(NamedTuple):
-    """Mass-normalised modes of one kind, as the ends see them.
+    """Mass-normalized bending or axial modes, described by their frequencies and end values.
 
     Attributes:
         frequencies: (modes,) angular frequencies [rad/s]; pseudo-modes come last.
-        rows: (end values, modes) per unit amplitude, [1/sqrt(kg)] and for slopes [1/(m sqrt(kg))]: deflection and
-            slope at the first end, then at the other; or the axial displacements of both ends.
+        rows: (end values, modes) per unit amplitude, displacements [1/sqrt(kg)] and slopes [1/(m sqrt(kg))]. Bending
+            has deflection and slope at the first end, then at the other; axial modes have both ends' displacements.
     """
 
     frequencies: NDArray[np.float64]
@@ -44,7 +44,7 @@ class EndModes(NamedTuple):
 
 @lru_cache(maxsize=256)
 def wave_number(k: int) -> Real:
-    """Return solution number `k`, counted from 1, of cos x cosh x = 1."""
+    """Return the bending wave number x_k: solution number `k`, counted from 1, of cos x cosh x = 1."""
     start = (k + _CONTEXT.mpf(1) / 2) * _CONTEXT.pi
     if k > _ASYMPTOTIC:
         return start
@@ -52,15 +52,15 @@ def wave_number(k: int) -> Real:
 
 
 def slope_factor(x: Real) -> Real:
-    """Return the factor sigma of the mode shape cosh + cos - sigma (sinh + sin) with the wave number `x`."""
+    """Return the factor sigma in the bending mode shape cosh + cos - sigma (sinh + sin) with the wave number `x`."""
     return (_CONTEXT.cosh(x) - _CONTEXT.cos(x)) / (_CONTEXT.sinh(x) - _CONTEXT.sin(x))
 
 
 def bending_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Return the bending modes of a free beam of stiffness E I [N m2]; pseudo-modes stand for all above the kept ones.
+    """Return the `kept` lowest bending modes of a free beam, and pseudo-modes that represent all higher modes.
 
-    `blocks` of Krylov vectors: 0 leaves the other modes out, 1 keeps their static flexibility, 2 also its first change
-    with the squared frequency.
+    `stiffness` is E I [N m2]. `blocks` is the number of blocks of Krylov vectors: 0 omits the higher modes, 1 keeps
+    their static flexibility, and 2 also keeps the first change of this flexibility with the squared frequency.
     """
     numbers, rows = _unit_bending_modes(kept, blocks)
     return EndModes(
@@ -71,7 +71,7 @@ def bending_modes(length: float, mass: float, stiffness: float, kept: int, block
 
 @lru_cache(maxsize=64)
 def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
-    """Return the bending modes of a beam of unit length, mass and stiffness."""
+    """Return `bending_modes` of a beam with unit length, mass and stiffness."""
     exact = [_end_values(wave_number(k)) for k in range(1, kept + 1)]
     squares = [wave_number(k) ** 2 for k in range(1, kept + 1)]
     signs = [1 if k % 2 else -1 for k in range(1, kept + 1)]
@@ -81,20 +81,20 @@ def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
         squares += found
         exact += rows
         signs += [sign] * len(found)
-    # Slopes change their sign from one end to the other where deflections do not.
+    # Slopes change sign from one end to the other exactly if deflections do not.
     rows = [(w, s, sign * w, -sign * s) for (w, s), sign in zip(exact, signs, strict=True)]
     return _end_modes(squares, rows)
 
 
 def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Return the axial modes of a free bar of the stiffness E A [N], otherwise as `bending_modes`."""
+    """Return the axial modes of a free bar with the stiffness E A [N]; other arguments are as in `bending_modes`."""
     numbers, rows = _unit_axial_modes(kept, blocks)
     return EndModes(numbers * math.sqrt(stiffness / mass / length), rows / math.sqrt(mass))
 
 
 @lru_cache(maxsize=64)
 def _unit_axial_modes(kept: int, blocks: int) -> EndModes:
-    """Return the axial modes of a bar of unit length, mass and stiffness."""
+    """Return `axial_modes` of a bar with unit length, mass and stiffness."""
     numbers = [k * _CONTEXT.pi for k in range(1, kept + 1)]
     rows = [(_CONTEXT.sqrt(2), (-1) ** k * _CONTEXT.sqrt(2)) for k in range(1, kept + 1)]
     for first, sign in ((_next_of_parity(kept, 1), -1), (_next_of_parity(kept, 0), 1)) if blocks else ():
@@ -111,7 +111,7 @@ def _end_modes(numbers: Sequence[Real], rows: Sequence[Sequence[Real]]) -> EndMo
 
 
 def _end_values(x: Real) -> tuple[Real, Real]:
-    """Return the deflection and slope times length of a mode at the first end."""
+    """Return a bending mode's values at the first end: the deflection, and the slope times the beam's length."""
     return _CONTEXT.mpf(2), -2 * slope_factor(x) * x
 
 
@@ -126,7 +126,7 @@ def _sum_over_others(power: int, first: Real) -> Real:
 
 
 def _bending_moment(first: int, power: int) -> Any:
-    """Return the (2, 2) sum of v v^T x^(-4 power) over the modes first, first + 2, ...; v from `_end_values`."""
+    """Return the (2, 2) sum of v v^T x^(-4 power) over modes first, first + 2, ..., where v are `_end_values`."""
     moment = _CONTEXT.matrix(2, 2)
     k = first
     while k <= _ASYMPTOTIC:
@@ -143,7 +143,7 @@ def _bending_moment(first: int, power: int) -> Any:
 
 
 def _pseudo_modes(moments: Sequence[Any], blocks: int) -> tuple[list[Real], list[tuple[Real, ...]]]:
-    """Return frequencies and end values of one family's pseudo-modes from the sums of v v^T omega^-2p, p = 1, 2, ..."""
+    """Return pseudo-modes' frequencies and end values; moments[p - 1] sums v v^T omega^-2p over even or odd modes."""
     values = moments[0].rows
     size = values * blocks
     stiffness, gram = _CONTEXT.matrix(size, size), _CONTEXT.matrix(size, size)

@@ -1,6 +1,6 @@
-"""Parameters of the bodies, one class a kind. Plain Python: describing a mechanism needs no compiler.
+"""Parameters of bodies, with one class per kind. Plain Python: describing a mechanism needs no compiler.
 
-All quantities in SI units; angles in rad; counter-clockwise positive.
+All quantities are in SI units. Angles are in rad, positive counter-clockwise.
 """
 
 import math
@@ -15,13 +15,13 @@ GROUND = "ground"
 
 @dataclass(frozen=True)
 class AnyBody:
-    """Name and initial motion, which the descriptions of all kinds of body have; the motion is given by keyword.
+    """Name and initial motion, common to the descriptions of all kinds of body; the motion is keyword-only.
 
     Attributes:
         name: unique name.
-        position: of the body frame's origin at t = 0 [m].
-        angle: of its x axis at t = 0 [rad].
-        velocity: of its origin at t = 0 [m/s].
+        position: position of the body frame's origin at t = 0 [m].
+        angle: angle of the body frame's x axis at t = 0 [rad].
+        velocity: velocity of the body frame's origin at t = 0 [m/s].
         spin: angular velocity at t = 0 [rad/s].
     """
 
@@ -38,13 +38,13 @@ class AnyBody:
 
 @dataclass(frozen=True)
 class Body(AnyBody):
-    """A rigid body in natural coordinates: two base points, the body frame's origin and the end of its x axis.
+    """A rigid body in natural coordinates: its base points are the body frame's origin and a point on the x axis.
 
     Attributes:
         mass: [kg].
-        inertia: about the centroid [kg m2].
-        length: of the x axis, from the origin of the body frame to a second point [m].
-        centroid: in the body frame [m].
+        inertia: moment of inertia about the centroid [kg m2].
+        length: distance between the two base points [m].
+        centroid: position of the centroid in the body frame [m].
         fixed: whether the body is held in place.
     """
 
@@ -73,7 +73,7 @@ class FlexibleBody(AnyBody):
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
-        masses: places along the axis [m] and masses [kg] of lumped masses, without moment of inertia.
+        masses: lumped masses without moment of inertia, as pairs (position along the axis [m], mass [kg]).
     """
 
     length: float
@@ -94,14 +94,14 @@ class FlexibleBody(AnyBody):
 
     @property
     def element_length(self) -> float:
-        """Length of an element [m]."""
+        """Length of each beam element [m]."""
         return self.length / self.elements
 
     def node(self, point: Point) -> int:
         """Return the index of the node at a point of the body frame [m].
 
         Raises:
-            ValueError: if no node is there.
+            ValueError: if the point is not a node.
         """
         step = self.element_length
         index = round(point[0] / step)
@@ -118,7 +118,7 @@ class ModalPanel(AnyBody):
     """A slender elastic panel, described by its modes in a floating frame; straight and unstrained at t = 0.
 
     The body frame has its origin at the first end and its x axis along the undeformed centreline. Joints attach to the
-    two ends, (0, 0) and (length, 0). Deflections may come to some percent of the length (room `modal`).
+    two ends, (0, 0) and (length, 0). Deflections may reach some percent of the length (package `modal`).
 
     Attributes:
         length: [m].
@@ -126,8 +126,8 @@ class ModalPanel(AnyBody):
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
-        modes: number of bending modes that are kept, with half as many axial ones, rounded up. The flexibility of the
-            ends by all other modes is always kept, with its first change with the squared frequency.
+        modes: number of bending modes that are kept; half as many axial modes are kept, rounded up. The end flexibility
+            due to all other modes is always included, to first order in the squared frequency.
     """
 
     length: float
@@ -153,10 +153,10 @@ class ModalPanel(AnyBody):
         return (self.length / 2, 0.0)
 
     def end(self, point: Point) -> int:
-        """Return 0 or 1 for the end of the panel at a point of the body frame [m].
+        """Return the index, 0 or 1, of the panel end at a point of the body frame [m].
 
         Raises:
-            ValueError: if the point is no end.
+            ValueError: if the point is not an end.
         """
         for index, x in enumerate((0.0, self.length)):
             if math.hypot(point[0] - x, point[1]) < 1e-9 * self.length:

@@ -1,6 +1,6 @@
-"""Mass, forces, energies and constraints of a body by its kind: every function here calls the kind's.
+"""Mass, forces, energies and constraints of any body: each function calls the function of the body's kind.
 
-Fixed bodies, whatever their kind, have neither inertia nor accelerations.
+Fixed bodies of every kind have neither inertia nor accelerations.
 """
 
 from solar_env.mechanics.bodies import natural_coordinates
@@ -18,9 +18,9 @@ def _hold(body, a):
 
 @kernel
 def solve_body(body, constants, q, v, force, a, with_velocity):
-    """Write to `a` the accelerations of a body alone under a generalized `force`; return its multiplier.
+    """Write a single body's accelerations under a generalized `force` to `a`; return its constraint's multiplier, or 0.
 
-    With `with_velocity` zero, not one, terms by velocities are left out, which makes the map linear.
+    `with_velocity` is 1, or 0 to omit velocity terms: the accelerations are then linear in `force`.
     """
     if body.fixed:
         _hold(body, a)
@@ -33,7 +33,7 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
 
 @kernel
 def solve_free(body, constants, force, a):
-    """Write to `a` the body's M^-1 force: its accelerations if its constraint did not act."""
+    """Write a body's M^-1 force to `a` (n,): the accelerations without the body's own constraint."""
     if body.fixed:
         _hold(body, a)
     elif body.kind == CABLE_ELEMENTS:
@@ -44,7 +44,7 @@ def solve_free(body, constants, force, a):
 
 @kernel
 def add_mass_product(body, constants, a, out):
-    """Add the body's M a to `out` (n,)."""
+    """Add a body's mass matrix times the accelerations `a` (n,) to `out` (n,)."""
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:
@@ -55,7 +55,7 @@ def add_mass_product(body, constants, a, out):
 
 @kernel
 def add_mass_matrix(body, constants, elimination, matrix):
-    """Add the body's mass matrix to `matrix`, which lies in a profile."""
+    """Add a body's mass matrix to the profile matrix `matrix` (`profile.py`)."""
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:
@@ -66,7 +66,7 @@ def add_mass_matrix(body, constants, elimination, matrix):
 
 @kernel
 def kinetic_energy(body, constants, v):
-    """Return the kinetic energy [J] of the body."""
+    """Return the kinetic energy [J] of a body from the velocities `v` (n,); a fixed body has zero."""
     if body.fixed:
         return 0.0
     if body.kind == CABLE_ELEMENTS:
@@ -76,7 +76,7 @@ def kinetic_energy(body, constants, v):
 
 @kernel(inlined=False)
 def elastic_energy(bodies, q):
-    """Return the strain energy [J] of all bodies."""
+    """Return the total strain energy [J] of all bodies at the coordinates `q` (n,)."""
     total = 0.0
     for body in bodies:
         if body.kind == CABLE_ELEMENTS:
@@ -86,7 +86,7 @@ def elastic_energy(bodies, q):
 
 @kernel
 def add_internal_forces(model, q, v, force, element_table):
-    """Add the internal forces of all bodies to `force` (n,); return the power [W] that their damping takes."""
+    """Add the internal forces of all bodies to `force` (n,); return the power [W] that material damping dissipates."""
     # Without beams the call alone would take several percent of an evaluation.
     if model.cable_elements.filled.size == 0:
         return 0.0
@@ -95,7 +95,7 @@ def add_internal_forces(model, q, v, force, element_table):
 
 @kernel
 def project_bodies(bodies, q, v):
-    """Move every body back to its constraint, and its velocity to the rate's, by the least change in mass metric."""
+    """Project each body's coordinates and velocities onto the body's constraint, by the least change in mass metric."""
     for b in range(bodies.size):
         body = bodies[b]
         if body.constraints:

@@ -1,4 +1,4 @@
-"""Interface of a kind of body to the compiler of mechanisms: how a description becomes arrays."""
+"""Interface between a kind of body and the mechanism compiler, which turns descriptions into arrays."""
 
 import math
 from abc import ABC, abstractmethod
@@ -15,13 +15,13 @@ Described = TypeVar("Described", bound=AnyBody)
 
 
 class BodyKind(ABC, Generic[Described]):
-    """A kind of body, with n generalized coordinates.
+    """A kind of body, whose bodies have n generalized coordinates each.
 
     Attributes:
-        description: class of its parameters.
-        body_fields: members of a body's row that its kernels need beyond the common ones.
-        deformable: whether it deforms.
-        constraints: number of constraints among its coordinates, 0 or 1.
+        description: class of the parameters.
+        body_fields: members of a body's row that the kind's kernels need beyond the common members.
+        deformable: whether bodies of the kind deform.
+        constraints: number of constraints among a body's coordinates, 0 or 1.
     """
 
     description: ClassVar[type[AnyBody]]
@@ -31,40 +31,40 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def coordinates(self, body: Described) -> int:
-        """Return the number n of generalized coordinates."""
+        """Return the number n of a body's generalized coordinates."""
 
     @abstractmethod
     def fill(self, body: Described, row: np.void, constants: list[float]) -> None:
-        """Fill the kind's members of a body's row; arrays are added to `constants`, the row says where they begin."""
+        """Fill the kind's members of a body's row; append arrays to `constants`, and their first index to the row."""
 
     @abstractmethod
     def fill_marker(self, body: Described, row: np.void, first: int, point: Point) -> None:
-        """Fill a marker's linear map (`markers`) for a point of the body frame [m], by the body's first coordinate.
+        """Fill a marker's row for a point of the body frame [m]; `first` is the index of the body's first coordinate.
 
         Raises:
-            ValueError: if nothing can be attached there.
+            ValueError: if the kind allows no marker at the point.
         """
 
     @abstractmethod
     def initial_motion(self, body: Described) -> tuple[Array, Array]:
-        """Return the coordinates (n,) and velocities (n,) at t = 0."""
+        """Return a body's coordinates (n,) and velocities (n,) at t = 0."""
 
     @abstractmethod
     def weight(self, body: Described, gravity: Point) -> Array:
-        """Return the generalized force (n,) of gravity [m/s2], which must be constant."""
+        """Return a body's generalized weight (n,), which must be constant, from the gravity vector [m/s2]."""
 
     def error_weight(self, body: Described) -> Array:
-        """Return the weights (n,) of coordinates in error norms: lengths by which a unit of each moves the inertia."""
+        """Return the coordinates' weights (n,) in error norms: lengths by which a unit of each moves the inertia."""
         return np.ones(self.coordinates(body))
 
     def stable_step(self, body: Described) -> float:
-        """Return the largest step [s] with which the explicit method is stable on the free body."""
+        """Return the largest step [s] for which the explicit method is stable on the body without joints."""
         return math.inf
 
     def rigid_motions(self, q: Array) -> Array:
-        """Return the rates (3, n) of coordinates in rigid motions at unit speed: along x, along y, about the origin.
+        """Return the coordinate rates (3, n) of rigid motion at unit speed along x, along y, and about the origin.
 
-        By default, each pair of coordinates is a point.
+        The default implementation takes each pair of coordinates as a point.
         """
         along = np.resize([1.0, 0.0], q.size)
         return np.stack([along, 1.0 - along, np.stack([-q[1::2], q[0::2]], axis=1).ravel()])

@@ -1,4 +1,4 @@
-"""Table of the kinds of body, and the type of the bodies' rows, with the members that all kinds need."""
+"""Table of the kinds of body, and the record type of a body, which has the members of all kinds."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from solar_env.mechanics.bodies.description import AnyBody
 from solar_env.mechanics.bodies.kind import BodyKind, Fields
 from solar_env.mechanics.bodies.natural_coordinates import NaturalCoordinates
 
-# A kind's place in the table is its code in compiled code.
+# A kind's index in the table is its code in kernels.
 KINDS: tuple[BodyKind[Any], ...] = (NaturalCoordinates(), CableElements())
 NATURAL, CABLE_ELEMENTS = range(len(KINDS))
 
@@ -26,10 +26,10 @@ body_type = record(list(dict([*_BODY, *(member for kind in KINDS for member in k
 
 
 def code_of(body: AnyBody) -> int:
-    """Return the place in `KINDS` of the kind of a described body.
+    """Return the index in `KINDS` of a described body's kind.
 
     Raises:
-        ValueError: if its class is not in the table.
+        ValueError: if the body's class is not in the table.
     """
     for code, kind in enumerate(KINDS):
         if type(body) is kind.description:

@@ -1,8 +1,8 @@
-"""Markers: their place, their motion, the effect of loads at them, and the slopes of all three.
+"""Markers: their positions and directions, motion and loads, and the derivatives of these by the coordinates.
 
-Coordinates of bodies are points and vectors, of which a marker is a linear map: with two coordinate pairs p1 and p2 and
-the quarter turn J, place = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction is as long as the
-body, or as long as a beam's stretch there. Rates follow from velocities by the same map.
+A body's coordinates are points and vectors, and a marker is linear in them. With two coordinate pairs p1 and p2 and the
+quarter turn J, position = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction's length is the
+body's length, or a beam's local stretch. The same formulas give the rates from velocities.
 """
 
 import math
@@ -33,7 +33,7 @@ def pair_coordinates(row: np.void) -> list[int]:
 
 
 def place_row(row: np.void, axis: int) -> dict[int, float]:
-    """Return the coefficients by coordinate of the marker's x (axis 0) or y (axis 1), without those that vanish."""
+    """Return the nonzero coefficients of a marker's x (axis 0) or y (axis 1), by coordinate index."""
     turn = -1.0 if axis == 0 else 1.0
     entries: dict[int, float] = {}
     for first, a, b in ((int(row["i1"]), row["a1"], row["b1"]), (int(row["i2"]), row["a2"], row["b2"])):
@@ -45,7 +45,7 @@ def place_row(row: np.void, axis: int) -> dict[int, float]:
 
 @kernel
 def place(marker, x):
-    """Return the place [m] from coordinates, or its rate [m/s] from velocities."""
+    """Return a marker's position [m] if `x` (n,) are coordinates, or its velocity [m/s] if `x` are velocities."""
     i, k = marker.i1, marker.i2
     return (
         marker.a1 * x[i] - marker.b1 * x[i + 1] + marker.a2 * x[k] - marker.b2 * x[k + 1],
@@ -55,14 +55,14 @@ def place(marker, x):
 
 @kernel
 def direction(marker, x):
-    """Return the direction vector from coordinates, or its rate from velocities."""
+    """Return a marker's direction vector if `x` (n,) are coordinates, or the vector's rate if `x` are velocities."""
     i, k = marker.i1, marker.i2
     return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
 
 
 @kernel
 def spin(marker, q, v):
-    """Return the angular velocity [rad/s] of the direction."""
+    """Return the angular velocity [rad/s] of a marker's direction."""
     dx, dy = direction(marker, q)
     ux, uy = direction(marker, v)
     return (dx * uy - dy * ux) / (dx * dx + dy * dy)
@@ -70,14 +70,14 @@ def spin(marker, q, v):
 
 @kernel
 def vector_angle(marker, q, x, y):
-    """Return the angle [rad] of a vector, counted from the marker's direction."""
+    """Return the angle [rad] from a marker's direction to the vector (x, y)."""
     dx, dy = direction(marker, q)
     return math.atan2(dx * y - dy * x, dx * x + dy * y)
 
 
 @kernel
 def add_point_force(marker, fx, fy, force):
-    """Add to `force` (n,) the generalized force of a force [N] at the marker's place."""
+    """Add the generalized force of a point force (fx, fy) [N] at a marker to `force` (n,)."""
     i, k = marker.i1, marker.i2
     force[i] += marker.a1 * fx + marker.b1 * fy
     force[i + 1] += marker.a1 * fy - marker.b1 * fx
@@ -87,7 +87,7 @@ def add_point_force(marker, fx, fy, force):
 
 @kernel
 def add_torque(marker, q, torque, force):
-    """Add a torque's generalized force to `force` (n,): torque [N m] times the gradient of the direction's angle."""
+    """Add a torque's generalized force to `force` (n,): the torque [N m] times the direction angle's gradient."""
     dx, dy = direction(marker, q)
     scale = torque / (dx * dx + dy * dy)
     i, k = marker.i1, marker.i2
@@ -106,10 +106,10 @@ def angle_hessian(dx, dy):
 
 @kernel
 def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
-    """Fill the slopes of a marker's motion by its four coordinates, in columns 4 * side and following.
+    """Fill the derivatives of a marker's motion by its four coordinates, in columns 4 * side to 4 * side + 3.
 
-    Slopes of x and y go to rows 0 and 1 of `gradient` (4, 8), slopes of the direction's angle to row 2 + side; slopes
-    of their rates go to `rate_slope` (4, 8), where rows 0 and 1 stay zero. Both arrays must be zero before.
+    `gradient` (4, 8) gets derivatives of x and y in rows 0 and 1, and of the direction angle in row 2 + side.
+    `rate_slope` (4, 8) gets derivatives of the rates; its rows 0 and 1 stay zero. Both arrays must be zero before.
     """
     k, angle = 4 * side, 2 + side
     index[k], index[k + 1] = marker.i1, marker.i1 + 1
@@ -130,7 +130,7 @@ def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
 
 @kernel
 def subtract_hessian(marker, q, torque, elimination, matrix):
-    """Subtract torque * Hessian of the direction's angle from `matrix`; the place's Hessian vanishes."""
+    """Subtract torque * (Hessian of the direction angle) from `matrix`; the position's Hessian is zero."""
     dx, dy = direction(marker, q)
     hxx, hxy = angle_hessian(dx, dy)
     for row in range(2):

@@ -1,7 +1,7 @@
 """Rigid bodies in natural coordinates: two base points p1, p2 a fixed distance apart.
 
-The mass matrix is constant and the only constraint is the length, so that the multiplier of a single body is a
-closed expression (J. Garcia de Jalon and E. Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
+The mass matrix is constant and the only constraint is the length. The multiplier of a single body therefore has a
+closed form (J. Garcia de Jalon and E. Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
 doi:10.1007/978-1-4612-2600-0; paper, Eqs 8-15). With J the quarter turn, every 2 x 2 block has the form a I + b J.
 """
 
@@ -17,7 +17,7 @@ from solar_env.mechanics.numerics.profile import add_entry
 
 
 class NaturalCoordinates(BodyKind[Body]):
-    """Rigid bodies in natural coordinates."""
+    """Kind of rigid bodies, described by the natural coordinates of two base points."""
 
     description = Body
     # Mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]] and its inverse (w..).
@@ -31,20 +31,20 @@ class NaturalCoordinates(BodyKind[Body]):
         return 4
 
     def fill(self, body: Body, row: np.void, constants: list[float]) -> None:
-        """Fill length, mass matrix and its inverse."""
+        """Fill the body's length, mass matrix and inverse mass matrix."""
         row["length"], row["fixed"] = body.length, body.fixed
         mass = mass_parameters(body.mass, body.inertia, body.length, body.centroid)
         row["m11"], row["m22"], row["m12"], row["n12"] = mass
         row["w11"], row["w22"], row["w12"], row["x12"] = inverse_mass_parameters(*mass)
 
     def fill_marker(self, body: Body, row: np.void, first: int, point: Point) -> None:
-        """Fill the place, which may be any point; the direction is p2 - p1."""
+        """Fill a marker's row for any point of the body frame; the direction is p2 - p1."""
         along, across = point[0] / body.length, point[1] / body.length
         row["i1"], row["i2"], row["c1"] = first, first + 2, -1.0
         row["a1"], row["b1"], row["a2"], row["b2"] = 1.0 - along, -across, along, across
 
     def initial_motion(self, body: Body) -> tuple[Array, Array]:
-        """Return the motion of the base points as described; a fixed body is at rest."""
+        """Return the base points' positions and velocities at t = 0; a fixed body is at rest."""
         c, s = math.cos(body.angle), math.sin(body.angle)
         points = np.array([0.0, body.length])
         q = (np.array(body.position) + np.outer(points, (c, s))).ravel()
@@ -52,7 +52,7 @@ class NaturalCoordinates(BodyKind[Body]):
         return q, np.zeros(4) if body.fixed else v
 
     def weight(self, body: Body, gravity: Point) -> Array:
-        """Return the weight of the mass at the centroid; zero if fixed."""
+        """Return the generalized weight of the body, which acts at the centroid; it is zero for a fixed body."""
         along, across = body.centroid[0] / body.length, body.centroid[1] / body.length
         gx, gy = gravity
         force = np.zeros(4)
@@ -63,7 +63,7 @@ class NaturalCoordinates(BodyKind[Body]):
         return force
 
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Return both base points."""
+        """Return both base points (..., 2, 2) [m]."""
         return q.reshape(*q.shape[:-1], 2, 2).copy()
 
 
@@ -72,7 +72,7 @@ def mass_parameters(
 ) -> tuple[float, float, float, float]:
     """Return the blocks (m11, m22, m12, n12) [kg] of the mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]].
 
-    The centroid lies along and across the line p1 -> p2, from p1 [m].
+    `centroid` is the position [m] along and across the line p1 -> p2, measured from p1.
     """
     along, across = centroid[0] / length, centroid[1] / length
     second = inertia / length**2 + mass * (along**2 + across**2)
@@ -81,14 +81,14 @@ def mass_parameters(
 
 
 def inverse_mass_parameters(m11: float, m22: float, m12: float, n12: float) -> tuple[float, float, float, float]:
-    """Return the blocks (w11, w22, w12, x12) of the inverse of the matrix that `mass_parameters` describes."""
+    """Return the blocks (w11, w22, w12, x12) [1/kg] of the inverse mass matrix, placed as in `mass_parameters`."""
     determinant = m11 * m22 - m12**2 - n12**2
     return m22 / determinant, m11 / determinant, -m12 / determinant, -n12 / determinant
 
 
 @kernel
 def add_mass_product(body, a, out):
-    """Add the body's M a to `out` (n,)."""
+    """Add a rigid body's mass matrix times the accelerations `a` (n,) to `out` (n,)."""
     k = body.offset
     ax, ay, bx, by = a[k], a[k + 1], a[k + 2], a[k + 3]
     out[k] += body.m11 * ax + body.m12 * bx - body.n12 * by
@@ -99,7 +99,7 @@ def add_mass_product(body, a, out):
 
 @kernel
 def add_body_matrix(body, weight, multiplier, elimination, matrix):
-    """Add weight * (mass matrix of a rigid body) + multiplier * (second derivative of its length constraint)."""
+    """Add weight * (a rigid body's mass matrix) + multiplier * (length constraint's second derivative) to `matrix`."""
     k = body.offset
     for axis in range(2):
         turn = -1.0 if axis == 0 else 1.0
@@ -115,7 +115,7 @@ def add_body_matrix(body, weight, multiplier, elimination, matrix):
 
 @kernel
 def solve_mass(body, force, a):
-    """Write the body's M^-1 force into `a` (n,): its acceleration if its length were free."""
+    """Write a rigid body's M^-1 force to `a` (n,): the acceleration without the length constraint."""
     k = body.offset
     fx, fy, gx, gy = force[k], force[k + 1], force[k + 2], force[k + 3]
     a[k] = body.w11 * fx + body.w12 * gx - body.x12 * gy
@@ -126,9 +126,9 @@ def solve_mass(body, force, a):
 
 @kernel
 def solve_body(body, q, v, force, a, with_velocity):
-    """Write the acceleration `a` of one body that keeps its length under a generalized `force`; return its multiplier.
+    """Write a single rigid body's acceleration under a generalized `force` to `a`; return the length's multiplier.
 
-    With `with_velocity` zero the centripetal term is left out, which makes the map linear: the body's compliance.
+    `with_velocity` is 1, or 0 to omit the centripetal term: the acceleration is then linear in `force`.
     """
     k = body.offset
     fx, fy, gx, gy = force[k], force[k + 1], force[k + 2], force[k + 3]
@@ -154,7 +154,7 @@ def solve_body(body, q, v, force, a, with_velocity):
 
 @kernel
 def project_length(body, q, v):
-    """Move the body back to its length, and its velocity to rigid motion, by the smallest change in the mass metric."""
+    """Restore a rigid body's length, and the rigidity of its velocities, by the smallest change in the mass metric."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     squared = dx * dx + dy * dy
@@ -176,14 +176,14 @@ def project_length(body, q, v):
 
 @kernel
 def stretch_along(body, q, x, y):
-    """Return the scalar product of a difference (x, y) of the base points' motions and the vector between them."""
+    """Return the scalar product of p2 - p1 with (x, y), the difference of the base points' motions."""
     k = body.offset
     return (q[k + 2] - q[k]) * x + (q[k + 3] - q[k + 1]) * y
 
 
 @kernel
 def length_compliance(body, q):
-    """Return the acceleration of the length constraint (d.d - length^2) / 2 per unit of its multiplier."""
+    """Return the acceleration of the length constraint (d.d - length^2) / 2, with d = p2 - p1, per unit multiplier."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     return (body.w11 + body.w22 - 2.0 * body.w12) * (dx * dx + dy * dy)
@@ -191,7 +191,7 @@ def length_compliance(body, q):
 
 @kernel
 def add_length_force(body, q, multiplier, out):
-    """Add the force of the length constraint's `multiplier` to `out` (n,); return the constraint's violation."""
+    """Add the generalized force of the length constraint's `multiplier` to `out` (n,); return the violation [m2]."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     out[k] += dx * multiplier
@@ -215,7 +215,7 @@ def add_length_border(body, q, row, elimination, matrix):
 
 @kernel(inlined=False)
 def kinetic_energy(body, v):
-    """Return the kinetic energy [J] of the body."""
+    """Return the kinetic energy [J] of a rigid body from the velocities `v` (n,)."""
     k = body.offset
     ax, ay, bx, by = v[k], v[k + 1], v[k + 2], v[k + 3]
     total = 0.5 * body.m11 * (ax * ax + ay * ay) + 0.5 * body.m22 * (bx * bx + by * by)

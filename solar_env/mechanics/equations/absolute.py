@@ -1,4 +1,4 @@
-"""Formulation in absolute coordinates: the equations of motion of `system`, with multipliers for ideal joints."""
+"""Formulation in absolute coordinates: the equations of motion in `system.py`, with multipliers for ideal joints."""
 
 import math
 
@@ -19,7 +19,7 @@ from solar_env.mechanics.numerics.jit import kernel
 
 @kernel
 def view_joint(model, state, j):
-    """Return the joint `j` as a controller may observe it."""
+    """Return the angles, rates and eccentricity of joint `j` that a controller may observe."""
     joint = model.joints[j]
     angle, rate, _, spin = joint_motion(joint, model.markers, state.q, state.v)
     x, y = direction(model.markers[joint.inboard], state.q)
@@ -28,29 +28,29 @@ def view_joint(model, state, j):
 
 
 class AbsoluteCoordinates(Formulation):
-    """Rigid bodies and beams of cable elements in coordinates of inertial axes, see `bodies.kinds`."""
+    """Formulation of rigid bodies and cable-element beams in coordinates along inertial axes (`bodies/kinds.py`)."""
 
     view_joint = staticmethod(view_joint)
 
     def compile(self, mechanism: Mechanism) -> tuple[Model, State]:
-        """See `Formulation.compile`."""
+        """Compile a mechanism into its model and its initial state."""
         return compile_mechanism(mechanism)
 
     def begin(self, model: Model, state: State) -> None:
-        """Do nothing: integrators evaluate accelerations and multipliers."""
+        """Do nothing: integrators compute the initial accelerations and multipliers."""
 
     def drift(self, model: Model, state: State) -> tuple[float, float]:
-        """Return the greatest violations of the linear constraints, in m and m/s."""
+        """Return the greatest violation of the linear constraints [m] and of their rates [m/s]."""
         work, time = make_workspace(model, state), state.clock["time"][0]
         position = constraint_drift(model, state.q, time, work)
         return float(position), float(velocity_drift(model, state.q, state.v, time, work))
 
     def joint_loads(self, model: Model, state: State) -> Array:
-        """Evaluate the table of loads with the multipliers that hold the constraints now."""
+        """Return the joint-load table, evaluated with the multipliers that satisfy the constraints at the state."""
         return _evaluate(model, state)[0].loads
 
     def stored_energies(self, model: Model, state: State) -> Array:
-        """See `Formulation.stored_energies`."""
+        """Return the stored energies (ENERGIES,) [J] at a state, in the order of `model.ENERGY_NAMES`."""
         energies = np.zeros(ENERGIES)
         system.stored_energies(model, state.joints, state.q, state.v, self.joint_loads(model, state), energies)
         return energies
@@ -60,7 +60,7 @@ class AbsoluteCoordinates(Formulation):
         return float(np.abs(model.constant_force).max(initial=0.0))
 
     def momenta(self, model: Model, state: State) -> Array:
-        """Return the products of the generalized momentum with the three rigid motions of the mechanism."""
+        """Return the momenta (3,): products of the generalized momentum with the mechanism's three rigid motions."""
         momentum = np.zeros_like(state.v)
         system.add_mass_products(model, state.v, momentum)
         motions = np.zeros((3, state.q.size))
@@ -70,19 +70,20 @@ class AbsoluteCoordinates(Formulation):
         return motions @ momentum
 
     def centreline(self, model: Model, q: Array, body: int, points_per_element: int) -> Array:
-        """Ask the body's kind for its points."""
+        """Return the points along a body's axis, as computed by the body's kind."""
         row = model.bodies[body]
         first = int(row["offset"])
         of_body = q[..., first : first + int(row["coordinates"])]
         return KINDS[row["kind"]].centreline(row, of_body, points_per_element)
 
     def modal_range(self, model: Model, state: State) -> tuple[float, float]:
-        """Return zeros: there are no modal panels."""
+        """Return zeros, because the formulation has no modal panels."""
         return 0.0, 0.0
 
     def constraint_force_defect(self, model: Model, state: State) -> tuple[float, float]:
-        """Return the defect of generalized-alpha's multipliers; a length's multiplier counts times that length."""
+        """Return the greatest error [N] of generalized-alpha's constraint forces, and the greatest force [N]."""
         work, multipliers = _evaluate(model, state)
+        # The multiplier of a length constraint times the body's length is a force.
         scale = np.ones_like(multipliers)
         scale[model.constraints.target.size :] = model.bodies["length"]
         system.applied_forces(model, state.joints, state.q, state.v, work)
@@ -91,7 +92,7 @@ class AbsoluteCoordinates(Formulation):
 
 
 def _evaluate(model: Model, state: State) -> tuple[Workspace, Array]:
-    """Return a workspace with the present loads and powers, and the multipliers that hold the constraints."""
+    """Return a workspace with the loads and powers at the state, and the multipliers that satisfy the constraints."""
     work = make_workspace(model, state)
     work.impact_speeds[:] = np.where(state.joints["in_contact"], state.joints["impact_speed"], 0.0)
     scratch, multipliers = np.zeros_like(state.a), np.zeros_like(state.multipliers)

@@ -1,4 +1,4 @@
-"""Compile a described mechanism into the arrays of `model.py`."""
+"""Compiler that turns mechanism descriptions into the arrays of `arrays/model.py`."""
 
 import itertools
 import math
@@ -23,10 +23,10 @@ _Row = dict[int, float]
 def compile_mechanism(mechanism: Mechanism) -> tuple[m.Model, m.State]:
     """Compile a mechanism into its constant model and its initial state.
 
-    The state is taken as described: it must meet the constraints (checked by `Simulation`).
+    The described initial motion must satisfy the constraints; `Simulation` checks that it does.
 
     Raises:
-        ValueError: if a part is attached at a point, or to a kind of body, that takes no such part.
+        ValueError: if a body is a `ModalPanel`, or if a part cannot be attached to its body or at its point.
     """
     return _Compiler(mechanism).compile()
 
@@ -107,7 +107,7 @@ class _Compiler:
         return len(self.markers) - 1
 
     def _add_place(self, row: _Row, marker: int, axis: int, weight: float) -> None:
-        """Add to a row `weight` times the map from coordinates to the marker's x (axis 0) or y (axis 1)."""
+        """Add `weight` times the coefficients of a marker's x (axis 0) or y (axis 1) to a constraint row."""
         for index, value in place_row(self.markers[marker], axis).items():
             row[index] = row.get(index, 0.0) + weight * value
 
@@ -158,7 +158,7 @@ class _Compiler:
         drives = np.zeros(len(self.mechanism.drives), dtype=m.drive_type)
         for k, drive in enumerate(self.mechanism.drives):
             marker = self._marker(drive.body, drive.point)
-            # Entries in the order in which they are set at run time.
+            # The order of the entries is the order in which `constraints.set_drive_rows` sets them.
             row = dict.fromkeys(pair_coordinates(self.markers[marker]), 0.0)
             body = self.markers[marker]["body"]
             drives[k] = (self._append_row(row, 0.0, body), marker, drive.angle, drive.rate, drive.ramp_time)
@@ -176,7 +176,7 @@ class _Compiler:
         return np.concatenate([kind.weight(body, self.mechanism.gravity) for kind, body in self._kinds_and_bodies()])
 
     def _loads(self, force: NDArray[np.float64]) -> NDArray[np.void]:
-        """Add the generalized forces of the loads' forces to `force` (n,); return the rows of their torques."""
+        """Add the generalized forces of constant load forces to `force` (n,); return the records of load torques."""
         rows = []
         for load in self.mechanism.loads:
             k = self._marker(load.body, load.point)
@@ -190,7 +190,7 @@ class _Compiler:
         return np.array(rows, dtype=m.load_type)
 
     def _elimination(self, bodies: NDArray[np.void], joints: NDArray[np.void], cables: NDArray[np.void]) -> Elimination:
-        """Return the order along the bodies, node by node; a multiplier follows the last coordinate that it acts on."""
+        """Return the elimination order: node by node, each multiplier right after the last coordinate it acts on."""
         n, rows = self.size, len(self.rows)
         position = np.full(n + rows + len(self.described), -1, dtype=np.int64)
         held = {body["offset"] + i for body in bodies if body["fixed"] for i in range(body["coordinates"])}
@@ -213,7 +213,7 @@ class _Compiler:
                 for unknown in group:
                     position[unknown] = place
                     place += 1
-                # The next node begins another block.
+                # The next node begins a new block.
                 place = -(-place // BLOCK) * BLOCK
         reach = [
             [

@@ -1,8 +1,8 @@
 """Tangents of closed cable loops, for `tangent.fill_tangents`.
 
-Let a and b be the gradients of the angles of a loop's inner and outer wheel, c and d the gradients of its chord's angle
-and length, r the wheel ratio and t the torque ratio. With the torque T and the pull N, functions of
-the mismatch s = r angle_a - angle_b and of the length, the generalized force is T (b - t a) - N d, so that
+Let a and b be the gradients of a loop's inner and outer wheel angles, c and d the gradients of the chord's angle and
+length, r the wheel ratio and t the torque ratio. The torque T and the pull N are functions of the chord's length and
+of the mismatch s = r angle_a - angle_b. With subscripts for derivatives, the generalized force T (b - t a) - N d gives
 
 dQ/dq = (b - t a) (T_s (r a - b) + T_d d)^T - d (N_s (r a - b) + N_d d)^T - N length c c^T + terms by the Hessians
 of the directions and of the chord's angle.
@@ -22,7 +22,7 @@ _INNER, _OUTER, _TURN, _LENGTH = range(4)
 
 @kernel
 def add_cable_slopes(model, cable, q, v, tangent, by_q):
-    """Subtract a loop's dQ/dq from the stiffness, which has the Hessians of its torques on the joints already."""
+    """Subtract a cable loop's dQ/dq from the stiffness `by_q`, which already has the Hessians of the loop's torques."""
     joints, markers, elimination, loads = model.joints, model.markers, model.elimination, tangent.loads
     a, o = cable.joint_a, cable.joint_b
     index, gradient = tangent.cable_coordinates, tangent.cable_gradient
@@ -51,7 +51,7 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 
 @kernel
 def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
-    """Refer the wheels' gradients to the chord, fill the chord's gradients, and move the Hessians to the chord."""
+    """Make the wheel-angle gradients relative to the chord, fill the chord's gradients, and correct the Hessians."""
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]
     places, index, gradient = tangent.b, tangent.cable_coordinates, tangent.cable_gradient
@@ -60,7 +60,7 @@ def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
     length = math.sqrt(square)
     for c in range(4):
         gradient[_INNER, c] = gradient[_OUTER, 12 + c] = 0.0
-    # The loop's sixteen coordinates: by joint, four of the outboard body, then four of the inboard body.
+    # The loop has sixteen coordinates: for each joint, four of the outboard body, then four of the inboard body.
     first, last = (0, 12) if cable.first == inner.outboard else (4, 8)
     for c in range(8):
         sense = 1.0 if c >= 4 else -1.0

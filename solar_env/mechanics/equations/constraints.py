@@ -1,7 +1,7 @@
-"""Linear constraints of a mechanism: rows, drives, compliance, drift, and projection on them.
+"""Linear constraints A(t) q = b of a mechanism: rows, drives, compliance, drift and projection.
 
-A row of A(t) q = b is an ideal joint's or a drive's. Rows are solved through the bodies' compliances: the
-dual Schur complement A P A^T has one row and column per constraint. Its part at free lengths is constant.
+Each row of A belongs to an ideal joint or a drive. Multipliers follow from the bodies' compliances P: the dual Schur
+complement A P A^T has one row and column per constraint. Without length constraints it changes only in driven rows.
 """
 
 import math
@@ -23,7 +23,7 @@ def add_row(model, work, r, weight, x):
 
 @kernel
 def row_product(model, work, r, x):
-    """Return the constraint row `r` times `x` (n,)."""
+    """Return the product of constraint row `r` and the vector `x` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
     total = 0.0
     for k in range(model.constraints.size[r]):
@@ -33,7 +33,7 @@ def row_product(model, work, r, x):
 
 @kernel
 def fill_column(model, work, r):
-    """Fill column `r`, the inverse mass matrix times constraint row `r`, and the stretch of the lengths by it."""
+    """Fill column `r` (inverse mass matrix times constraint row `r`), and the stretch that it causes in both bodies."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
     for side in range(2):
         b = model.constraints.bodies[r, side]
@@ -56,7 +56,7 @@ def fill_column(model, work, r):
 
 @kernel
 def fill_columns(model, work, driven):
-    """Fill the columns of the driven rows, which change, or of all others, with their products."""
+    """Fill the columns, and their entries of `work.free_schur`, of driven rows, which change, or of all other rows."""
     m = work.columns.shape[0]
     for r in range(m):
         if model.constraints.driven[r] == driven:
@@ -69,7 +69,7 @@ def fill_columns(model, work, driven):
 
 @kernel
 def drive_angle(drive, time):
-    """Return the prescribed angle [rad], rate and angular acceleration of a drive."""
+    """Return a drive's prescribed angle [rad], rate [rad/s] and angular acceleration [rad/s2] at `time` [s]."""
     span = drive.ramp_time
     if span <= 0.0 or time >= span:
         return drive.angle + drive.rate * (time - 0.5 * span), drive.rate, 0.0
@@ -82,7 +82,7 @@ def drive_angle(drive, time):
 
 @kernel
 def set_drive_rows(model, time, row_value):
-    """Write the rows of prescribed rotations: the body's direction stays parallel to (cos psi, sin psi)."""
+    """Write the constraint rows of all drives, which keep a marker's direction parallel to (cos psi, sin psi)."""
     for k in range(model.drives.size):
         drive = model.drives[k]
         marker = model.markers[drive.marker]
@@ -93,7 +93,7 @@ def set_drive_rows(model, time, row_value):
 
 @kernel
 def drive_motion(model, drive, time, q, v):
-    """Return explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
+    """Return a drive constraint's rate at fixed q, and its second time derivative without the acceleration term."""
     marker = model.markers[drive.marker]
     psi, turn, turn_up = drive_angle(drive, time)
     c, s = math.cos(psi), math.sin(psi)
@@ -108,7 +108,7 @@ def drive_motion(model, drive, time, q, v):
 def build_schur(model, q, work):
     """Build and factor the compliance of the linear constraints; return False if they are redundant.
 
-    A row's compliance at free lengths is constant; a body's length takes a rank-one part from it.
+    Each body's length constraint subtracts a rank-one matrix from the compliance without length constraints.
     """
     schur, free_schur, pull, row_bodies = work.schur, work.free_schur, work.pull, model.constraints.bodies
     m = schur.shape[0]
@@ -147,7 +147,7 @@ def add_columns(model, work, multipliers, x):
 
 @kernel
 def subtract_response(model, q, work, multipliers, x):
-    """Subtract from `x` (n,) the accelerations by `multipliers` of the linear constraints, lengths kept."""
+    """Subtract from `x` (n,) the accelerations due to `multipliers` of the linear constraints, with lengths kept."""
     bodies, row_force, solution = model.bodies, work.row_force, work.solution
     for i in range(row_force.size):
         row_force[i] = 0.0
@@ -164,7 +164,7 @@ def subtract_response(model, q, work, multipliers, x):
 
 @kernel
 def prepare_response(model, q, time, work):
-    """Fill the compliance of the linear constraints at a configuration; False if they are redundant."""
+    """Build the linear constraints' compliance at a configuration; return False if the constraints are redundant."""
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
     return work.schur.shape[0] == 0 or build_schur(model, q, work)
@@ -172,7 +172,7 @@ def prepare_response(model, q, time, work):
 
 @kernel
 def constraint_drift(model, q, time, work):
-    """Return the greatest violation [m] of the linear constraints; leave all by row in `work.residual`."""
+    """Return the greatest violation [m] of the linear constraints; store all violations in `work.residual`."""
     worst = 0.0
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
@@ -184,7 +184,7 @@ def constraint_drift(model, q, time, work):
 
 @kernel
 def velocity_drift(model, q, v, time, work):
-    """Return the greatest violation [m/s] of the linear constraints' rates; leave all by row in `work.residual`."""
+    """Return the greatest violation [m/s] of the linear constraints' rates; store all violations in `work.residual`."""
     residual = work.residual
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
@@ -202,9 +202,9 @@ def velocity_drift(model, q, v, time, work):
 
 @kernel
 def project(model, q, v, time, work):
-    """Move positions and velocities back to the constraints by the smallest change in the mass metric.
+    """Project positions and velocities onto all constraints by the smallest change in the mass metric.
 
-    `work` must hold the compliance of the linear constraints hereabouts, from `prepare_response` or from an
+    `work` must hold the linear constraints' compliance at a configuration nearby, from `prepare_response` or from an
     evaluation of the accelerations.
     """
     project_bodies(model.bodies, q, v)
@@ -214,10 +214,10 @@ def project(model, q, v, time, work):
 
 @kernel
 def project_linear(model, q, v, time, work):
-    """Project on the linear constraints, as `project` does on all constraints."""
+    """Project positions and velocities onto the linear constraints, as part of `project`."""
     residual = work.residual
     constraint_drift(model, q, time, work)
-    # The velocities are corrected with the rows of the same configuration: the position change is tiny.
+    # The velocity correction uses the same compliance, because the position correction is tiny.
     for kind in range(2):
         if kind == 1:
             velocity_drift(model, q, v, time, work)

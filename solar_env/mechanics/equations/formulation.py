@@ -1,4 +1,4 @@
-"""Interface of a formulation of the equations of motion: how a mechanism becomes arrays, and what these say of it."""
+"""Interface of a formulation of the equations of motion: compilation into arrays, and results from the arrays."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -15,22 +15,22 @@ StateArrays = Any  # a formulation's named tuple of the arrays that change in a 
 
 
 class JointView(NamedTuple):
-    """A joint as a controller may observe it."""
+    """Angles, rates and eccentricity of a joint that a controller may observe."""
 
     angle: float  # [rad]
     rate: float  # [rad/s]
-    inboard_angle: float  # of the body with the bearing, between -pi and pi [rad]
+    inboard_angle: float  # angle of the body with the bearing, between -pi and pi [rad]
     inboard_spin: float  # [rad/s]
     eccentricity_x: float  # journal centre minus bearing centre, in inertial axes [m]
     eccentricity_y: float
 
 
 class Formulation(ABC):
-    """A formulation, with one named tuple of arrays for models and one for states.
+    """A formulation of the equations of motion, with its own named tuples of model arrays and of state arrays.
 
-    Runs, batches, recordings, environments and pictures read only the arrays that all formulations share: of a model
-    `joints` and `length_scale`, of a state `q`, `v`, `integrals`, `joints`, `wear_journal`, `wear_bearing` and `clock`.
-    They ask a formulation for everything else.
+    Runs, batches, recordings, environments and pictures read only the arrays that all formulations share. These are
+    `joints` and `length_scale` of a model, and `q`, `v`, `integrals`, `joints`, `wear_journal`, `wear_bearing` and
+    `clock` of a state. Everything else comes from the methods of a formulation.
 
     Attributes:
         view_joint: kernel (model, state, joint index) -> `JointView`.
@@ -48,23 +48,23 @@ class Formulation(ABC):
 
     @abstractmethod
     def begin(self, model: ModelArrays, state: StateArrays) -> None:
-        """Fill a state's arrays beside positions and velocities before a run."""
+        """Fill the arrays of a state other than positions and velocities, before a run."""
 
     @abstractmethod
     def drift(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Return the greatest violations of a constraint and of a constraint's rate, in m and m/s."""
+        """Return the greatest violation of any constraint [m] and of any constraint's rate [m/s]."""
 
     @abstractmethod
     def joint_loads(self, model: ModelArrays, state: StateArrays) -> Array:
-        """Return the table (joints, LOAD_COLUMNS) of angles, rates, forces and torques, see `arrays.columns`."""
+        """Return the joint-load table (joints, LOAD_COLUMNS): angles, rates, forces and torques (`arrays.columns`)."""
 
     @abstractmethod
     def stored_energies(self, model: ModelArrays, state: StateArrays) -> Array:
-        """Return the (ENERGIES,) stored energies [J], in the order of `model.ENERGY_NAMES`."""
+        """Return the stored energies (ENERGIES,) [J] at a state, in the order of `model.ENERGY_NAMES`."""
 
     @abstractmethod
     def greatest_weight(self, model: ModelArrays) -> float:
-        """Return the greatest magnitude of a constant force [N]."""
+        """Return the greatest magnitude [N] of the constant forces (weight and loads)."""
 
     @abstractmethod
     def momenta(self, model: ModelArrays, state: StateArrays) -> Array:
@@ -76,8 +76,8 @@ class Formulation(ABC):
 
     @abstractmethod
     def modal_range(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Return maxima so far: slope of a modal panel's end [rad], spin divided by lowest angular frequency."""
+        """Return maxima so far over all modal panels: end slope [rad], ratio of spin to lowest angular frequency."""
 
     @abstractmethod
     def constraint_force_defect(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Return the greatest error of forces against those that hold the constraints, and the greatest force [N]."""
+        """Return the greatest error [N] of the state's constraint forces, and the greatest force [N]."""

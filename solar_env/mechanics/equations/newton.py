@@ -1,7 +1,7 @@
-"""The matrix of Newton's equations, [[a M + b C + c K, Phi_q^T], [Phi_q, 0]], put together from its parts.
+"""Matrix of Newton's equations, [[a M + b C + c K, Phi_q^T], [Phi_q, 0]], assembled from its parts.
 
-Mass M, damping C and stiffness K share one profile (`profile.py`), so that their sum with any weights is a pass over
-their entries: a change of the step needs no new tangents.
+Mass M, damping C and stiffness K share one profile (`profile.py`), so that a weighted sum takes one pass over their
+entries. A change of step size therefore needs no new tangents.
 """
 
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from solar_env.mechanics.numerics.profile import ProfileMatrix, add_entry, make_
 
 
 class NewtonMatrices(NamedTuple):
-    """The parts of the matrix, and the matrix or its factors."""
+    """Mass, stiffness and damping parts of Newton's matrix, and the matrix itself or its factors."""
 
     mass: ProfileMatrix  # constant
     stiffness: ProfileMatrix  # minus the slope of the applied forces by coordinates
@@ -26,7 +26,7 @@ class NewtonMatrices(NamedTuple):
 
 
 def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
-    """Allocate the matrices and fill the mass matrix."""
+    """Allocate Newton's matrix and its parts, and fill the mass part."""
     mass = make_profile_matrix(model.elimination)
     fill_mass(model, mass)
     return NewtonMatrices(
@@ -40,20 +40,20 @@ def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
 
 @kernel(inlined=False)
 def fill_mass(model, matrix):
-    """Add the bodies' mass matrices to `matrix`."""
+    """Add the mass matrices of all bodies to the profile matrix `matrix`."""
     for b in range(model.bodies.size):
         add_mass_matrix(model.bodies[b], model.body_constants, model.elimination, matrix)
 
 
 @kernel(inlined=False)
 def linearize_forces(model, joint_states, q, v, newton):
-    """Compute the stiffness and damping at a configuration for which the workspace of `newton.tangent` is current."""
+    """Compute `newton.stiffness` and `newton.damping` at a configuration; `newton.tangent.loads` must be current."""
     fill_tangents(model, joint_states, q, v, newton.tangent, newton.stiffness, newton.damping)
 
 
 @kernel
 def _weighted_sum(mass, damping, stiffness, weights, out):
-    """Write the weighted sum of three arrays (blocks, 16) to a fourth."""
+    """Write the weighted sum of three arrays (blocks, 16) to a fourth array `out`."""
     a, b, c = weights
     for i in range(out.shape[0]):
         for k in range(out.shape[1]):
@@ -62,7 +62,7 @@ def _weighted_sum(mass, damping, stiffness, weights, out):
 
 @kernel(inlined=False)
 def assemble(model, q, multipliers, row_value, newton, weights):
-    """Put the matrix together, with weights of mass, damping and stiffness; multipliers of lengths add stiffness."""
+    """Assemble `newton.matrix` for weights of (mass, damping, stiffness); length multipliers add to the stiffness."""
     elimination, constraints, matrix = model.elimination, model.constraints, newton.matrix
     mass, damping, stiffness = newton.mass, newton.damping, newton.stiffness
     _weighted_sum(mass.diagonal, damping.diagonal, stiffness.diagonal, weights, matrix.diagonal)

@@ -1,7 +1,7 @@
-"""Global quantities as sums over the mechanism's parts: forces, accelerations, energies.
+"""Forces, accelerations and energies of a whole mechanism, as sums over its parts.
 
-The equations of motion are M a + Phi_q^T lambda = Q(q, v, t) with two kinds of constraint: the length of every body in
-natural coordinates, eliminated body by body in closed form, and linear rows A(t) q = b for ideal joints and drives
+The equations of motion are M a + Phi_q^T lambda = Q(q, v, t) with two kinds of constraint. The length of every body in
+natural coordinates is eliminated body by body in closed form. Ideal joints and drives give linear rows A(t) q = b
 (`constraints.py`).
 """
 
@@ -27,17 +27,17 @@ from solar_env.mechanics.numerics.linear import cholesky_solve, copy_into
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays of one evaluation; nothing in them outlives a step."""
+    """Work arrays of one evaluation of the equations of motion; their contents do not outlive a step."""
 
     force: NDArray[np.float64]  # (n,)
     loads: NDArray[np.float64]  # (joints, columns.LOAD_COLUMNS)
     power: NDArray[np.float64]  # (integrals,)
     impact_speeds: NDArray[np.float64]  # (joints,)
     row_value: NDArray[np.float64]  # (rows, ROW_ENTRIES) linear constraint rows at the present time
-    columns: NDArray[np.float64]  # (rows, n) inverse mass matrix times rows
-    free_schur: NDArray[np.float64]  # (rows, rows) rows times columns
-    stretch: NDArray[np.float64]  # (rows, 2, 2) stretch of a row's two bodies by its column
-    pull: NDArray[np.float64]  # (rows, 2) the stretch along the body, at the present configuration
+    columns: NDArray[np.float64]  # (rows, n) inverse mass matrix times constraint rows
+    free_schur: NDArray[np.float64]  # (rows, rows) constraint rows times columns
+    stretch: NDArray[np.float64]  # (rows, 2, 2) stretch that a row's column causes in the row's two bodies
+    pull: NDArray[np.float64]  # (rows, 2) component of the stretch along the body, at the present configuration
     schur: NDArray[np.float64]  # (rows, rows) compliance of the rows, factored
     residual: NDArray[np.float64]  # (rows,)
     row_force: NDArray[np.float64]  # (n,)
@@ -46,7 +46,7 @@ class Workspace(NamedTuple):
 
 
 def make_workspace(model: Model, state: State) -> Workspace:
-    """Allocate the scratch arrays for a model."""
+    """Allocate the work arrays for a model, and fill the columns of constant constraint rows."""
     n, rows, joints = state.q.size, model.constraints.size.size, model.joints.size
     work = Workspace(
         force=np.zeros(n),
@@ -70,7 +70,7 @@ def make_workspace(model: Model, state: State) -> Workspace:
 
 @kernel
 def apply_linear_constraints(model, q, v, time, work, a, multipliers):
-    """Correct the accelerations for the linear constraints; False if they are redundant."""
+    """Correct the accelerations `a` for the linear constraints; return False if the constraints are redundant."""
     bodies, force = model.bodies, work.force
     rows = work.schur.shape[0]
     if model.drives.size > 0:
@@ -96,7 +96,7 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
 
 @kernel
 def acceleration_response(model, q, work, force, a):
-    """Write to `a` (n,) the accelerations that a generalized `force` (n,) adds."""
+    """Write to `a` (n,) the accelerations due to an additional generalized `force` (n,), with all constraints kept."""
     rows = work.schur.shape[0]
     for b in range(model.bodies.size):
         dispatch.solve_body(model.bodies[b], model.body_constants, q, q, force, a, 0.0)
@@ -110,7 +110,7 @@ def acceleration_response(model, q, work, force, a):
 
 @kernel
 def applied_forces(model, joint_states, q, v, work):
-    """Fill `work` with all generalized forces except the constraints', with loads and powers."""
+    """Fill `work.force` with the generalized forces except constraint forces; fill `work.loads` and `work.power`."""
     force, power, loads = work.force, work.power, model.loads
     copy_into(force, model.constant_force)
     external = 0.0
@@ -125,9 +125,9 @@ def applied_forces(model, joint_states, q, v, work):
 
 @kernel
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """Compute the accelerations (n,), with loads and powers in `work`; return False if constraints are redundant.
+    """Compute accelerations `a` (n,), and loads and powers in `work`; return False if constraints are redundant.
 
-    `multipliers` receives one per linear row, then one per body for its length.
+    `multipliers` receives one value per linear constraint row, then one per body for the body's length.
     """
     force = work.force
     rows = work.residual.size
@@ -141,13 +141,13 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 @kernel(inlined=False)
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """Call `inlined_accelerations`, which would take long to compile if it were inlined at every place."""
+    """Compute accelerations like `inlined_accelerations`, without being inlined, which would take long to compile."""
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
 @kernel
 def store_constraint_loads(model, multipliers, time, q, work):
-    """Enter the multipliers of ideal joints as joint forces, and add the drives' power."""
+    """Store ideal joints' multipliers as joint forces in `work.loads`, and add the drives' power to `work.power`."""
     for j in range(model.joints.size):
         joint = model.joints[j]
         if joint.kind == m.IDEAL and joint.row >= 0:
@@ -168,14 +168,14 @@ def store_constraint_loads(model, multipliers, time, q, work):
 
 @kernel(inlined=False)
 def add_mass_products(model, a, out):
-    """Add M a to `out` (n,); nothing for fixed bodies."""
+    """Add the mass matrix times the accelerations `a` (n,) to `out` (n,); fixed bodies add nothing."""
     for body in model.bodies:
         dispatch.add_mass_product(body, model.body_constants, a, out)
 
 
 @kernel(inlined=False)
 def stored_energies(model, joint_states, q, v, loads, energies):
-    """Fill the stored energies [J] at a configuration whose `loads` are current."""
+    """Fill `energies` (ENERGIES,) with the stored energies [J] at a configuration whose `loads` are current."""
     energies[:] = 0.0
     for body in model.bodies:
         energies[m.KINETIC] += dispatch.kinetic_energy(body, model.body_constants, v)
@@ -202,7 +202,7 @@ def normal_inverse_mass(model, q, v, j, work):
     """Return the inverse effective mass [1/kg] of joint `j` along its line of centres: acceleration per unit force."""
     joint = model.joints[j]
     total = 0.0
-    # Approximated by the two bodies alone: other bodies that hang on them move only after the contact's onset.
+    # An approximation by the two bodies alone: bodies attached to them move only after the contact's onset.
     dx, dy = work.loads[j, columns.ECCENTRICITY_X], work.loads[j, columns.ECCENTRICITY_Y]
     size = math.hypot(dx, dy)
     nx, ny = (dx / size, dy / size) if size > 0.0 else (1.0, 0.0)

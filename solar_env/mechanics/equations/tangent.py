@@ -1,6 +1,6 @@
 """Analytic tangents of the generalized forces, for implicit integration.
 
-A joint sees its motion through four local coordinates x = (eccentricity x, y, outboard angle, inboard angle); its
+A joint's forces p depend on its local coordinates x = (eccentricity x, y, outboard angle, inboard angle). The
 generalized force is B^T p(x, x') with B = dx/dq, so that
 
 dQ/dq = B^T (dp/dx B + dp/dx' dx'/dq) + p times the Hessians of x,   dQ/dv = B^T dp/dx' B.
@@ -26,7 +26,7 @@ from solar_env.mechanics.numerics.profile import add_entry, clear
 
 
 class TangentScratch(NamedTuple):
-    """Arrays of `fill_tangents`; loads and impact speeds are shared with the workspace."""
+    """Work arrays of `fill_tangents`; loads and impact speeds are shared with the workspace."""
 
     loads: NDArray[np.float64]
     impact_speeds: NDArray[np.float64]
@@ -38,14 +38,14 @@ class TangentScratch(NamedTuple):
     stiffness_product: NDArray[np.float64]  # (4, 8)
     damping_product: NDArray[np.float64]  # (4, 8)
     angle_gradient: NDArray[np.float64]  # (joints, 8)
-    # Coordinates of a cable loop's two joints, and the gradients of its wheels' angles and of its chord.
+    # Coordinates of a cable loop's two joints, and gradients of the loop's wheel angles, chord angle and chord length.
     cable_coordinates: NDArray[np.int64]  # (16,)
     cable_gradient: NDArray[np.float64]  # (4, 16)
     elements: ElementSlopes
 
 
 def make_tangent_scratch(work: Workspace) -> TangentScratch:
-    """Allocate the arrays of a tangent."""
+    """Allocate the work arrays of `fill_tangents`, which share loads and impact speeds with `work`."""
     joints = work.impact_speeds.size
     return TangentScratch(
         loads=work.loads,
@@ -66,12 +66,12 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
 
 @kernel
 def local_map(joint, markers, q, v, index, b, rate_slope):
-    """Fill the joint's 8 coordinate indices, B (4, 8) and dx'/dq (4, 8)."""
+    """Fill a joint's 8 coordinate indices, and B = dx/dq (4, 8) and dx'/dq (4, 8) for its local coordinates x."""
     b[:] = 0.0
     rate_slope[:] = 0.0
     fill_slopes(markers[joint.outboard], q, v, 0, index, b, rate_slope)
     fill_slopes(markers[joint.inboard], q, v, 1, index, b, rate_slope)
-    # The eccentricity is the outboard place minus the inboard one.
+    # The eccentricity is the outboard marker's position minus the inboard marker's.
     for axis in range(2):
         for c in range(4, 8):
             b[axis, c] *= -1.0
@@ -80,9 +80,9 @@ def local_map(joint, markers, q, v, index, b, rate_slope):
 
 @kernel
 def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_speed, stiffness, damping):
-    """Add the slopes of (force x, force y, outboard torque, inboard torque) by the local coordinates and their rates.
+    """Add contact derivatives of (force x, force y, outboard torque, inboard torque) by local coordinates and rates.
 
-    Return the tangential force and its lever.
+    Return the tangential force [N] and its lever [m].
     """
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
@@ -132,9 +132,9 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
 
 @kernel(inlined=False)
 def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
-    """Fill the matrices (`profile.py`) -dQ/dq, the stiffness, and -dQ/dv, the damping.
+    """Fill the profile matrices `by_q` with the stiffness -dQ/dq and `by_v` with the damping -dQ/dv.
 
-    `tangent.loads` and `tangent.impact_speeds` must be current; the other arrays of `tangent` are scratch.
+    `tangent.loads` and `tangent.impact_speeds` must be current; the other arrays of `tangent` are work arrays.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     loads, index = tangent.loads, tangent.coordinates
@@ -187,7 +187,7 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
                 for k in range(4):
                     by_x += b[k, r] * stiffness_product[k, c]
                     by_rate += b[k, r] * damping_product[k, c]
-                # Most vanish: angles do not depend on the positions of a beam's nodes, most dampers are idle.
+                # Most entries vanish: angles do not depend on a beam's nodal positions, and most dampers are idle.
                 if by_x != 0.0:
                     add_entry(elimination, by_q, index[j, r], index[j, c], -by_x)
                 if by_rate != 0.0:

@@ -1,6 +1,6 @@
-"""Time integration: one loop that controls steps, lands on events and records; the methods are in `methods`.
+"""Time integration: one run loop controls steps, ends steps at events and records samples for all `methods`.
 
-`settings` has the integrators that a user chooses from, in plain Python; `formulations` is the table of formulations;
-`run` advances lanes step by step, with `events`. Imports `modal`, whose method is one of the table, `records` and the
-equations.
+`settings` defines the integrators that a user chooses from, in plain Python. `formulations` is the table of
+formulations. `run` advances mechanisms step by step, and `events` locates events inside a step. The package imports
+`modal`, which provides one of the methods, `records` and `equations`.
 """

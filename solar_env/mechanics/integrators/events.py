@@ -1,4 +1,4 @@
-"""Events inside a step: contact starts, latchings and stop engagements, on the motion that a method offers there."""
+"""Events inside a step: contact starts, latchings and stop engagements, located on the method's motion in the step."""
 
 import numpy as np
 
@@ -15,19 +15,19 @@ from solar_env.mechanics.joints.torques.stop import stop_depth
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import latch
 
-# Typed: for literals Numba would compile the functions that take one for each value anew.
+# Typed integers: for literals Numba would compile functions with such an argument anew for each value.
 NO_EVENT, CONTACT_START, LATCHING, STOP_ENGAGEMENT = (np.int64(kind) for kind in range(4))
-# Looks at an event function in a step: a curved path can graze a wall between the ends.
+# Number of samples of an event function per step: a curved path can touch a wall between the step's ends.
 _LOOKS = 4
-SMALLEST_PART = 1e-13  # s, least part of a step before an event; in less time nothing moves
-# Share of a clearance, or angle [rad], by which the end of a step that was cut may miss its event.
+SMALLEST_PART = 1e-13  # s, least time from a step's start to an event: in less time the motion does not change
+# Fraction of a clearance, or angle [rad], by which the end of a shortened step may miss its event.
 _TOLERANCE = 1e-6
 _MOST_CUTS = 20
 
 
 @kernel
 def event_function(model, state, settings, arrays, j, kind, h, share):
-    """Return joint `j`'s depth [m], or angle past lock or in a stop [rad], that rises through zero at the event."""
+    """Return the value that rises through zero at joint `j`'s event: depth [m], or angle past lock or stop [rad]."""
     if kind == CONTACT_START:
         return depth_of(settings)(model, state, arrays, j, h, share)
     angle = angle_of(settings)(model, state, arrays, j, h, share)
@@ -39,7 +39,7 @@ def event_function(model, state, settings, arrays, j, kind, h, share):
 
 @kernel
 def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high):
-    """Find by Illinois iteration the share of the step where the event function has just risen through zero."""
+    """Find by Illinois iteration the fraction of a step at which the event function has just risen through zero."""
     for _ in range(60):
         if high - low < 1e-12 or f_high == 0.0:
             break
@@ -48,7 +48,7 @@ def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high)
             middle = 0.5 * (low + high)
         f = event_function(model, state, settings, arrays, j, kind, h, middle)
         if f >= 0.0:
-            # The end that stays put has its value halved, which keeps the iteration superlinear.
+            # The value at the end that stays is halved, which keeps the iteration superlinear.
             high, f_high = middle, f
             f_low *= 0.5
         else:
@@ -61,7 +61,7 @@ def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high)
 
 @kernel
 def first_rise(model, state, settings, arrays, j, kind, h):
-    """Return the share of the step at which the event function first rises through zero; 2 if it does not."""
+    """Return the fraction of a step at which the event function first rises through zero; 2 if it does not rise."""
     low, f_low = 0.0, event_function(model, state, settings, arrays, j, kind, h, 0.0)
     for k in range(1, _LOOKS + 1):
         high = k / _LOOKS
@@ -76,12 +76,12 @@ def first_rise(model, state, settings, arrays, j, kind, h):
 
 @kernel
 def first_event(model, state, settings, arrays, h):
-    """Return the earliest contact start, latching or stop engagement inside the step `h` [s]: (share, joint, kind)."""
+    """Return the first contact start, latching or stop engagement in a step `h` [s], as (fraction, joint, kind)."""
     share, which, what = 1.0, np.int64(-1), NO_EVENT
     for j in range(model.joints.size):
         joint, joint_state, number = model.joints[j], state.joints[j], np.int64(j)
         if joint.kind == CLEARANCE and not joint_state.in_contact:
-            # Apart from the angles below, whose interpolation would keep the compiler from looking at depths alone.
+            # Not in the loop below: with a constant kind, the compiler omits the interpolation of angles.
             root = first_rise(model, state, settings, arrays, j, CONTACT_START, h)
             if root < share or (root == share and what == NO_EVENT):
                 share, which, what = root, number, CONTACT_START
@@ -98,18 +98,18 @@ def first_event(model, state, settings, arrays, h):
 
 @kernel
 def is_passed(model, state, settings, arrays, j, kind, h, sign):
-    """Return whether the step `h` [s] ends beyond an event (sign 1), or before it (-1), by more than the tolerance."""
+    """Return whether the step `h` [s] ends after an event (sign 1), or before it (-1), by more than the tolerance."""
     tolerance = _TOLERANCE * (model.joints[j].clearance if kind == CONTACT_START else 1.0)
     return sign * event_function(model, state, settings, arrays, j, kind, h, 1.0) > tolerance
 
 
 @kernel
 def place_of_event(model, state, settings, arrays, h, joint, kind):
-    """Find where the step `h` [s] in hand ends: share of it, joint and kind of event there, and whether to solve again.
+    """Find where the step `h` [s] must end; return (fraction of the step, joint, event kind, whether to solve again).
 
-    A step that was cut at the event `kind` of a `joint` has a slightly different motion, and a long step's interpolant
-    misses vibrations: all joints are looked at again after every cut. The share is 1 where the step ends as it is, and
-    share * h is at most SMALLEST_PART [s] where the event is at its start.
+    A step that was shortened to the event `kind` of `joint` has a slightly different motion, and a long step's
+    interpolant misses vibrations. All joints are therefore checked again after every cut. The fraction is 1 if the step
+    ends unchanged; fraction * h is at most SMALLEST_PART [s] if the event is at the step's start.
     """
     cuts = arrays.trial[0].cuts
     share, other, found = first_event(model, state, settings, arrays, h)
@@ -127,7 +127,7 @@ def place_of_event(model, state, settings, arrays, h, joint, kind):
 
 @kernel(inlined=False)
 def begin_event(model, state, settings, arrays, j, kind, time, speed):
-    """Latch joint `j`, engage its stop, or start its contact, at a `time` [s] and an approach `speed` [m/s]."""
+    """Begin an event of joint `j` at `time` [s]: latch, engage a stop, or start contact at approach `speed` [m/s]."""
     joint, joint_state = model.joints[j], state.joints[j]
     if kind == LATCHING:
         latch(model.joints, state, j, time)
@@ -147,7 +147,7 @@ def begin_event(model, state, settings, arrays, j, kind, time, speed):
 
 @kernel
 def begin_passed_events(model, state, settings, arrays, start, h):
-    """Begin the events that an accepted step has passed, at times between its ends, where steps do not end on them."""
+    """Begin the events that an accepted step has passed, at interpolated times, if steps do not end at events."""
     for j in range(model.joints.size):
         joint, motion = model.joints[j], arrays.motion[j]
         if joint.kind == CLEARANCE and not state.joints[j].in_contact and motion.depth > 0.0:

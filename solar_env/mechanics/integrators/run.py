@@ -1,10 +1,10 @@
-"""The run: one loop for all methods, which lands on events, books what happens and controls the size of the steps.
+"""Run loop for all methods: it controls step sizes, ends steps at events, and updates records and joint states.
 
-During a step the contact mode of each joint is frozen, so that a step that runs into a bearing wall sees a smooth
-vector field. The wall is then found on the motion inside the step (`events.py`), the step is cut there, and the contact
-starts with its exact approach speed. Latchings and stops are met in the same way. The steps of an impact are bounded by
-a share of its duration, which impact speed and stiffness give beforehand. What a method offers is in
-`methods/table.py`.
+During a step the contact mode of each joint is frozen, so that a step into a bearing wall sees a smooth vector field.
+The wall is then located on the motion inside the step (`events.py`). The step is shortened to end at the wall, and the
+contact starts with the exact approach speed. Latchings and stop engagements are treated likewise. Steps in an impact
+are bounded by a fraction of the impact's duration, which is predicted from impact speed and stiffness.
+`methods/table.py` lists the kernels that a method provides.
 """
 
 import math
@@ -56,14 +56,14 @@ from solar_env.mechanics.records.history import (
 )
 from solar_env.mechanics.records.recording import pause_due, sample_due
 
-_SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
-# Events may follow each other without time between them, but not for ever.
+_SMALLEST_STEP = 1e-13  # smallest step divided by max(time, 1 s)
+# Most events that may follow each other with no time between them.
 _MOST_EVENTS_AT_ONCE = 1000
 
 
 @kernel
 def record_until(model, state, settings, arrays, recorder, h, end):
-    """Take the samples that fall inside the part up to `end` [s] of a step of size `h` [s]."""
+    """Record all samples that are due up to the time `end` [s] in a step of size `h` [s]."""
     start = state.clock[0].time
     while sample_due(recorder, end):
         share = min(max((recorder.times[recorder.filled[0]] - start) / h, 0.0), 1.0) if h > 0.0 else 0.0
@@ -72,7 +72,7 @@ def record_until(model, state, settings, arrays, recorder, h, end):
 
 @kernel(inlined=False)
 def begin_call(model, state, settings, recorder, arrays):
-    """Prepare the arrays of a call and record its start; return a status code."""
+    """Prepare the arrays at the start of a call, and record the samples due then; return a status code."""
     arrays.trial[0].at_once = 0
     if not begin_of(settings)(model, state, settings, arrays):
         return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
@@ -83,7 +83,7 @@ def begin_call(model, state, settings, recorder, arrays):
 
 @kernel
 def choose_step(model, state, settings, arrays, end_time):
-    """Fill the trial with the step to take, as accuracy, impacts, the method and the end of the call allow."""
+    """Fill the trial with the longest step that accuracy, impacts, the method and the end of the call allow."""
     clock, trial = state.clock[0], arrays.trial[0]
     remaining = end_time - clock.time
     trial.retry, trial.reason, trial.joint = 0.0, m.DONE, -1
@@ -95,7 +95,7 @@ def choose_step(model, state, settings, arrays, end_time):
 
 @kernel
 def reject(model, state, settings, arrays, h, error):
-    """Shorten the next step after one of size `h` [s] that is refused; return a status code."""
+    """Choose a shorter next step after a rejected step of size `h` [s]; return a status code."""
     clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
     clock.rejected_steps += 1
     if trial.retry == 0.0:
@@ -103,7 +103,7 @@ def reject(model, state, settings, arrays, h, error):
     elif trial.retry > 0.0:
         clock.step_size = trial.retry
     if control.memory > 0.0:
-        # The step that is taken then does not grow at once.
+        # The next accepted step then does not make its successor grow at once.
         clock.last_error = 1.0
     adapt_of(settings)(model, state, settings, arrays, False)
     if trial.retry < 0.0 or not clock.step_size > _SMALLEST_STEP * max(1.0, abs(clock.time)):
@@ -114,7 +114,7 @@ def reject(model, state, settings, arrays, h, error):
 
 @kernel
 def choose_next(model, state, settings, arrays):
-    """Set the next step's size after an accepted one."""
+    """Set the size of the next step, from the error of the accepted step."""
     clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
     error = max(trial.error, control.memory * clock.last_error)
     grow = growth(control, error, clock.last_error)
@@ -127,9 +127,9 @@ def choose_next(model, state, settings, arrays):
 
 @kernel
 def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
-    """Book an accepted step that began at `start` [s]: wear, force maxima, and contacts and stops that have opened.
+    """Update the joints after an accepted step from `start` [s]: wear, force maxima, and ends of contacts and stops.
 
-    An event at `event_joint` that has begun at the step's end does not end there.
+    The stop of `event_joint`, whose event has ended the step, is not released.
     """
     time, latched = state.clock[0].time, state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
@@ -150,7 +150,7 @@ def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
 
 @kernel
 def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
-    """Move to a share of the step `h` [s] in hand, where an event may begin; False if the constraints are singular."""
+    """Accept the fraction `share` of a step `h` [s], and begin the event there; False if constraints are singular."""
     clock, start = state.clock[0], state.clock[0].time
     end = start + share * h
     complete_of(settings)(model, state, settings, arrays, h)
@@ -181,7 +181,7 @@ def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
 
 @kernel
 def begin_at_once(model, state, settings, arrays, joint, kind):
-    """Begin an event of the accepted state, without a step; return a status code."""
+    """Begin an event at the accepted state, without taking a step; return a status code."""
     trial = arrays.trial[0]
     trial.at_once += 1
     if trial.at_once > _MOST_EVENTS_AT_ONCE:
@@ -211,7 +211,7 @@ def check_state(model, state, arrays):
 
 @kernel
 def take_step(model, state, settings, recorder, end_time, arrays):
-    """Try a step towards `end_time` [s]; if its error allows, take it to its first event; return a status code."""
+    """Try a step towards `end_time` [s]; if the error allows, accept it up to its first event. Return a status code."""
     trial = arrays.trial[0]
     choose_step(model, state, settings, arrays, end_time)
     h, share, joint, kind, again = trial.step, 1.0, np.int64(-1), NO_EVENT, True
@@ -244,7 +244,7 @@ def take_step(model, state, settings, recorder, end_time, arrays):
 def advance(model, state, settings, recorder, end_time, steps_left, arrays):
     """Advance `state` in place to `end_time` [s]; return a status code, and the number of allowed steps left.
 
-    A call that stops for the number of its steps shortens no step for that: the next call goes on to the same bits.
+    A call that stops at the step limit does not shorten its last step: the next call continues with the same bits.
     """
     clock = state.clock[0]
     status = begin_call(model, state, settings, recorder, arrays)
@@ -263,18 +263,18 @@ def advance(model, state, settings, recorder, end_time, steps_left, arrays):
 
 @kernel(inlined=False)
 def advance_lanes(models, states, settings, recorder, arrays, queue, counter, steps_left, statuses, end_times):
-    """Advance lanes one after the other, next to other threads that do the same.
+    """Advance the lanes of a batch (one mechanism each) from a queue that several threads share.
 
     Args:
         models, states: handles of the arrays of all lanes (`lanes.py`).
-        settings: of the method as the kernels take them; their type chooses the method.
-        recorder: takes samples and contacts of every lane.
-        arrays: handle of the thread's scratch arrays.
+        settings: the method's settings in the kernels' types; their type selects the method.
+        recorder: records samples and contacts of every lane.
+        arrays: handle of the thread's work arrays.
         queue: (k,) indices of the lanes to advance, in this order.
-        counter: (1,) number of lanes in the queue that some thread has begun with.
-        steps_left: (lanes,) number of steps that each may still take, tried ones included; brought up to date.
+        counter: (1,) number of queue entries that threads have taken so far.
+        steps_left: (lanes,) number of steps that each lane may still try, rejected steps included; updated.
         statuses: (lanes,) status codes; written.
-        end_times: (lanes,) [s].
+        end_times: (lanes,) times [s] at which the lanes end the call.
     """
     while True:
         ticket = take_ticket(counter)

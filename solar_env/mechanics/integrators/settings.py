@@ -1,4 +1,4 @@
-"""The integrators and their settings. Plain Python: choosing one needs no compiler."""
+"""The integrators and their settings. Plain Python: choosing an integrator needs no compiler."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ import numpy as np
 
 from solar_env.support.values import check_positive, is_number, plain
 
-# Fewest steps of an impact with which its exit speed is good to 1 %: measured (`studies/stability/impact_maps.py`).
-FEWEST_EXPLICIT_STEPS = 4  # of explicit Runge-Kutta
-_FEWEST_IMPLICIT_STEPS = 8  # of generalized-alpha, where its algorithmic damping does not need more
-# Frequency of a Hertzian contact at its deepest times the duration of the impact: sqrt(15 / 8) * 2.94328.
+# Fewest steps per impact for an exit speed good to 1 %: measured (`studies/stability/impact_maps.py`).
+FEWEST_EXPLICIT_STEPS = 4  # for explicit Runge-Kutta
+_FEWEST_IMPLICIT_STEPS = 8  # for generalized-alpha, unless algorithmic damping needs more steps
+# Angular frequency of a Hertzian contact at its greatest depth times the impact's duration: sqrt(15 / 8) * 2.94328.
 _HERTZ_PHASE = math.sqrt(15.0 / 8.0) * 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
 
 
 @dataclass(frozen=True)
 class RungeKutta:
-    """Adaptive explicit Runge-Kutta (`methods/runge_kutta.py`).
+    """Settings of the adaptive explicit Runge-Kutta method (`methods/runge_kutta.py`).
 
     Attributes:
-        rtol: local error of a step, of velocities relative to velocity_scale + |velocity|, of positions to the
-            longest body.
-        velocity_scale: [m/s].
-        max_step: [s].
+        rtol: tolerance of a step's local error: of velocities relative to velocity_scale + |velocity|, of positions
+            relative to the longest body.
+        velocity_scale: velocity that is added to |velocity| in the tolerance [m/s].
+        max_step: longest step [s].
         impact_resolution: least number of steps per predicted duration of an impact, `fewest_steps` or more.
-        max_steps: bound on the steps of one call, tried ones included; the default is about a minute of rigid panels.
+        max_steps: most steps of one call, rejected ones included; the default takes about a minute with rigid panels.
 
     Every method has further attributes: `name`; whether it `takes_drives`; whether its multipliers only settle to
     the constraint forces after a change of step (`settles_forces`); `steps_needed_per_impact`, None if its steps
     adapt to impacts; `loosest_in_contact`, the rtol up to which single contacts can be trusted; and `remedy`, the
-    advice that makes its energy book close better.
+    advice that makes its energy balance close better.
     """
 
     rtol: float = 1e-6
@@ -51,7 +51,7 @@ class RungeKutta:
     least_rtol = 1e-13
 
     def with_options(self, step: float | None, rtol: float | None) -> RungeKutta:
-        """Return these settings with another step or bound on it [s], or another tolerance, where one is given."""
+        """Return a copy with another longest step [s] or another tolerance; None keeps the present value."""
         if step is not None:
             check_positive("step", step, " s")
         return replace(self, max_step=self.max_step if step is None else step, rtol=self.rtol if rtol is None else rtol)
@@ -71,11 +71,11 @@ class RungeKutta:
 
 @dataclass(frozen=True)
 class Rosenbrock(RungeKutta):
-    """`RungeKutta` with linearly implicit steps where they are worth their price (`methods/rosenbrock.py`).
+    """Settings of `RungeKutta` with linearly implicit steps where they save time (`methods/rosenbrock.py`).
 
-    The stiff vibrations of flexible bodies then do not bound the steps. In impacts, and wherever accuracy asks for
-    short steps anyway, these remain explicit; with flexible bodies their velocity scale shrinks while the whole
-    mechanism is slow, because impacts amplify earlier errors. Mechanisms with drives are refused.
+    Stiff vibrations of flexible bodies do not bound linearly implicit steps. In impacts, and wherever accuracy needs
+    short steps anyway, steps remain explicit. With flexible bodies the explicit steps' velocity scale shrinks while the
+    whole mechanism is slow, because impacts amplify earlier errors. Mechanisms with drives are refused.
     """
 
     rtol: float = 1e-4
@@ -86,10 +86,10 @@ class Rosenbrock(RungeKutta):
 
 @dataclass(frozen=True)
 class ModalRadau(RungeKutta):
-    """Three-stage Radau IIA on the loads of the joints (`modal`), for rigid bodies and modal panels.
+    """Settings of the three-stage Radau IIA method in the joint loads (`modal`), for rigid bodies and modal panels.
 
-    Errors of contact depths are relative to the depths. Where every joint has clearance, velocity errors are relative
-    to the hinges' rates times the longest body, if less than velocity_scale, down to a hundredth of velocity_scale.
+    Errors of contact depths are relative to the depths. If every joint has clearance, velocity errors are relative to
+    the fastest hinge rate times the longest body, within bounds of a hundredth of velocity_scale and velocity_scale.
     Mechanisms with drives or loads are refused.
     """
 
@@ -101,19 +101,19 @@ class ModalRadau(RungeKutta):
     takes_drives = False
     fewest_steps = 3
     least_rtol = 1e-10
-    # Up to here no peak force of 30 deployments was out of line; at 0.03 five were, by factors of three to fifteen.
+    # Up to this rtol no peak force of 30 deployments was wrong; at 0.03 five were, by factors of three to fifteen.
     loosest_in_contact = 1e-2
 
 
 @dataclass(frozen=True)
 class GeneralizedAlpha:
-    """Generalized-alpha with a fixed step on the index-3 equations (`methods/generalized_alpha.py`).
+    """Settings of generalized-alpha with a fixed step on the index-3 equations (`methods/generalized_alpha.py`).
 
     Attributes:
-        step: [s]; a call is divided into equal ones of at most this length.
+        step: longest step [s]; a call is divided into equal steps.
         rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives beta = 1/4, gamma = 1/2, the paper's scheme.
-        newton_tolerance: of a Newton correction, relative to the length scale.
-        max_steps: bound on the steps of one call; the default is about a minute of rigid panels.
+        newton_tolerance: tolerance of a Newton correction, relative to the length scale.
+        max_steps: most steps of one call; the default takes about a minute with rigid panels.
     """
 
     step: float = 1e-4
@@ -130,11 +130,11 @@ class GeneralizedAlpha:
 
     @property
     def steps_needed_per_impact(self) -> int:
-        """Number of fixed steps that an impact needs."""
+        """Number of fixed steps that an impact needs for an exit speed good to 1 %."""
         return steps_per_impact(self.rho_inf)
 
     def with_options(self, step: float | None, rtol: float | None) -> GeneralizedAlpha:
-        """Return these settings with another step or bound on it [s], or another tolerance, where one is given.
+        """Return a copy with another fixed step [s]; None keeps the present step.
 
         Raises:
             ValueError: if a tolerance is given.
@@ -152,7 +152,7 @@ class GeneralizedAlpha:
 
 
 Integrator = RungeKutta | GeneralizedAlpha
-# Settings of every method by its name; their kernels are in `methods/table.py`.
+# Settings class of every method, by the method's name; the kernels are in `methods/table.py`.
 INTEGRATORS: dict[str, type[Integrator]] = {
     kind.name: kind for kind in (RungeKutta, Rosenbrock, ModalRadau, GeneralizedAlpha)
 }
@@ -178,9 +178,9 @@ def alpha_coefficients(rho_inf: float) -> tuple[float, float, float, float]:
 def steps_per_impact(rho_inf: float) -> int:
     """Return the number of steps that generalized-alpha needs in a Hertzian impact for an exit speed good to 1 %.
 
-    At least 8, since an impact starts and ends inside a step; with small `rho_inf` more, because algorithmic damping
-    multiplies the speed by the spectral radius of the amplification matrix in every step. The radius is taken at the
-    frequency of the contact at its deepest.
+    At least 8 steps are needed, since an impact starts and ends inside a step. A small `rho_inf` needs more steps:
+    algorithmic damping multiplies the speed by the amplification matrix's spectral radius in every step. The radius is
+    taken at the contact's frequency at the greatest depth.
     """
     steps = _FEWEST_IMPLICIT_STEPS
     while amplification_radius(rho_inf, _HERTZ_PHASE / steps) ** steps < 0.99:

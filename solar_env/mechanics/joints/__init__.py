@@ -1,5 +1,5 @@
-"""Forces in a joint: kinematics of its markers, contact and friction laws, wear, springs, stops and cable loops.
+"""Forces in a joint: marker kinematics, contact and friction laws, wear, springs, stops and cable loops.
 
-Imports `bodies`, `arrays` and `numerics`. `laws.py` says how to add a contact law, `torques` how to add a
-torque about a hinge.
+This package imports `bodies`, `arrays` and `numerics`. `laws.py` explains how to add a contact law, `torques` how to
+add a torque about a hinge.
 """

@@ -1,4 +1,4 @@
-"""Contact of a journal in its bearing, compiled: its motion, its normal force, and its friction."""
+"""Compiled contact of a journal (the pin of a joint) in its bearing: relative motion, normal force and friction."""
 
 from typing import NamedTuple
 
@@ -6,25 +6,24 @@ from solar_env.mechanics.joints.laws import MATERIAL, PLACES, PowerLaw
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import cube_roots, square_roots, where_less
 
-_HERTZ = 1.5  # the exponent of a contact of spheres, whose powers are roots
-_LEAST_BRACKET = 0.05  # of 1 + d rate / v: below it a contact parts, and its depth under a load says nothing
+_HERTZ = 1.5  # exponent of the contact of spheres, for which square and cube roots replace powers
+_LEAST_BRACKET = 0.05  # least bracket 1 + d rate / v of the contact law; below it no depth follows from a load
 _power_energy = kernel(PowerLaw.energy, inlined=False)
 _power_scales = kernel(PowerLaw.impact_scales, inlined=False)
 
 
 class ContactMotion(NamedTuple):
-    """Line of centres of a contact and the velocities along and across it.
+    """Line of centres of a contact, and the velocities along and across this line.
 
     Attributes:
-        depth: of penetration [m].
-        normal_x, normal_y: unit vector from the bearing's centre to the journal's; (-normal_y, normal_x) is across.
-        radius: distance of the centres [m].
-        lever: distance of the place of contact from the bearing's centre [m].
-        rate: of the depth [m/s].
-        centre_speed: of the journal's centre across the line of centres, relative to the bearing's [m/s].
-        slip: speed of the journal's material point relative to the bearing's [m/s].
-        sliding_speed: speed that the joint's friction and wear take [m/s]: the slip, the centres' speed, or the speed
-            of the places of contact.
+        depth: penetration depth [m].
+        normal_x, normal_y: unit vector from bearing centre to journal centre; (-normal_y, normal_x) points across it.
+        radius: distance between the centres [m].
+        lever: distance from the bearing's centre to the contact point [m].
+        rate: rate of the depth [m/s].
+        centre_speed: speed of the journal's centre relative to the bearing's centre, across the line of centres [m/s].
+        slip: speed of the journal's material point relative to the bearing's material point [m/s].
+        sliding_speed: speed that friction and wear use [m/s]: slip, centre speed, or speed of the contact point.
     """
 
     depth: float
@@ -40,7 +39,7 @@ class ContactMotion(NamedTuple):
 
 @kernel
 def sliding_share(joint, depth):
-    """Return the sliding speed divided by the slip or, without the bodies' rotation, by the centres' speed."""
+    """Return sliding speed divided by slip for "material" sliding, else sliding speed divided by the centres' speed."""
     if joint.sliding == PLACES:
         return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
     return 1.0 + 0.0 * depth
@@ -48,9 +47,9 @@ def sliding_share(joint, depth):
 
 @kernel
 def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
-    """Return the motion of a journal whose centre lies (ex, ey) [m] off its bearing's and moves at (ux, uy) [m/s].
+    """Return the `ContactMotion` of a journal at (ex, ey) [m] with velocity (ux, uy) [m/s] relative to its bearing.
 
-    It takes numbers, or vectors of several configurations.
+    Arguments are numbers, or vectors with several configurations.
     """
     radius = square_roots(ex * ex + ey * ey)
     # A centred journal has no line of centres, and no contact either.
@@ -74,10 +73,10 @@ def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
 
 @kernel
 def normal_force(joint, depth, rate, impact_speed):
-    """Return the compressive normal force [N], its elastic part, and its slopes by depth [N/m] and rate [N s/m].
+    """Return the compressive normal force [N], its elastic part [N], and its slopes by depth [N/m] and rate [N s/m].
 
-    Nothing acts where the depth is not positive; the contact began at the `impact_speed` [m/s]. It takes numbers, or
-    vectors of several configurations. The law is `PowerLaw`.
+    The force follows `PowerLaw` and is zero where the depth is not positive. `impact_speed` is the speed at which the
+    contact began [m/s]. Arguments are numbers, or vectors with several configurations.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     inside = where_less(0.0, depth, depth, 0.0)
@@ -91,8 +90,8 @@ def normal_force(joint, depth, rate, impact_speed):
 def depth_under(joint, load, rate, impact_speed, give):
     """Return the depth [m] at which a contact carries a `load` [N], and the force's slopes there by depth and rate.
 
-    All are zero where the contact is no stiffer than bodies that give way by `give` [m/N], parts, or carries nothing.
-    It takes vectors.
+    All three are zero where the contact parts, carries no load, or is no stiffer than its bodies, which yield by `give`
+    [m/N]. Arguments are vectors.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     bracket = 1.0 + damping * rate
@@ -106,22 +105,22 @@ def depth_under(joint, load, rate, impact_speed, give):
 
 @kernel(inlined=False)
 def contact_energy(joint, depth):
-    """Return the energy [J] that a contact stores at a depth [m]."""
+    """Return the elastic energy [J] that a contact stores at a penetration depth [m]."""
     return _power_energy(joint.contact, depth) if depth > 0.0 else 0.0
 
 
 @kernel(inlined=False)
 def impact_scales(joint, inverse_mass, impact_speed):
-    """Return the greatest depth [m] and duration [s] of an undamped impact, by the inverse effective mass [1/kg]."""
+    """Return the greatest depth [m] and duration [s] of an undamped impact at an inverse effective mass [1/kg]."""
     return _power_scales(joint.contact, inverse_mass, impact_speed)
 
 
 @kernel
 def friction_share(joint, sliding_speed):
-    """Return the share of the Coulomb force at a sliding speed [m/s], with its sign, and its slope by the speed [s/m].
+    """Return the signed ratio of friction to Coulomb friction at a sliding speed [m/s], and the ratio's slope [s/m].
 
-    Friction is ramped in between two speeds (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188,
-    Eqs 41-42). It takes numbers, or vectors of several configurations.
+    The ratio rises linearly from 0 to 1 between two speeds (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process.
+    117 (2019) 188, Eqs 41-42). Arguments are numbers, or vectors with several configurations.
     """
     zero = joint.friction_speed_zero
     steepness = 1.0 / (joint.friction_speed_full - zero)

@@ -1,8 +1,8 @@
-"""Forces in a joint: the torques about its angle (`torques`), and contact in its bearing.
+"""Forces in a joint: the torques about its angle (`torques`), and the contact in its bearing.
 
-Every joint joins an outboard marker (the journal) to an inboard one (the bearing). A torque acts as the gradient of
-the direction angle, so that it does no work on a body's stretch; a contact force acts at one material point on both
-bodies, so that linear and angular momentum are conserved exactly.
+Every joint connects an outboard marker (the journal) to an inboard marker (the bearing). A torque's generalized force
+is the gradient of the direction angle, so that the torque does no work on a body's stretch. A contact force acts at the
+same point on both bodies, so that linear and angular momentum are conserved exactly.
 """
 
 import math
@@ -36,7 +36,7 @@ from solar_env.mechanics.numerics.jit import kernel
 
 @kernel
 def relative(joint, markers, q):
-    """Return journal centre minus bearing centre [m] from coordinates, or its rate [m/s] from velocities."""
+    """Return journal centre minus bearing centre: a vector [m] from coordinates, or its rate [m/s] from velocities."""
     ox, oy = place(markers[joint.outboard], q)
     ix, iy = place(markers[joint.inboard], q)
     return ox - ix, oy - iy
@@ -44,7 +44,7 @@ def relative(joint, markers, q):
 
 @kernel
 def penetration(joint, markers, q, v):
-    """Return the penetration depth [m], negative for a gap, and its rate [m/s]."""
+    """Return the journal's penetration depth in its bearing [m], negative for a gap, and the depth's rate [m/s]."""
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
     radius = math.sqrt(ex * ex + ey * ey)
@@ -55,7 +55,7 @@ def penetration(joint, markers, q, v):
 
 @kernel
 def joint_motion(joint, markers, q, v):
-    """Return the joint angle [rad], its rate, and the spins of the outboard and the inboard body [rad/s]."""
+    """Return the joint angle [rad], its rate [rad/s], and the spins of the outboard and inboard bodies [rad/s]."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ox, oy = direction(outboard, q)
     ix, iy = direction(inboard, q)
@@ -71,9 +71,9 @@ def joint_motion(joint, markers, q, v):
 
 @kernel
 def joint_torques(model, joint_states, q, v, loads, force, power):
-    """Fill angles, rates, spins, torques and their powers of every joint.
+    """Write every joint's angle, rate, spins and torques to `loads`, and the torques' powers to `power`.
 
-    Add to `force` the effect of cable loops beyond these torques.
+    Correct the generalized `force` for cable loops that act on a chord (`move_to_chord`).
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):
@@ -102,9 +102,9 @@ def joint_torques(model, joint_states, q, v, loads, force, power):
 
 @kernel
 def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
-    """Evaluate every joint: fill `loads` and `power`, add the generalized forces to `force`.
+    """Evaluate every joint: fill `loads` and `power`, and add the generalized forces to `force`.
 
-    Where a joint's impact speed is zero the journal flies freely, and no contact force acts in this step.
+    Where a joint's impact speed is zero, the journal flies freely and no contact force acts in this step.
     """
     joint_torques(model, joint_states, q, v, loads, force, power)
     joints, markers = model.joints, model.markers

@@ -1,8 +1,8 @@
-"""Laws of contact and friction as data, and the table of the contact laws. Plain Python: no compiler is needed here;
-the kernels that evaluate them are in `contact.py`, which compiles the static methods of `PowerLaw` as well.
+"""Contact laws as data in the table `CONTACT_LAWS`, and definitions of the sliding speed.
 
-To add a contact law, write a function from `Surfaces` and a coefficient of restitution to a `PowerLaw`, and a row of
-`CONTACT_LAWS`.
+This plain Python needs no compiler. The kernels that evaluate the laws are in `contact.py`, which also compiles the
+static methods of `PowerLaw`. To add a contact law, write a function from `Surfaces` and a coefficient of restitution to
+a `PowerLaw`, and enter the function in `CONTACT_LAWS`.
 """
 
 import math
@@ -11,15 +11,15 @@ from dataclasses import dataclass, fields
 
 from solar_env.mechanics.numerics.checks import require, require_finite, require_signs
 
-# Readings of the sliding speed: speed of the material points in contact, of the centres across their line, or of the
-# places of contact, which travel round with this line: depth / (clearance + depth) times the centres' speed (Eq 35).
+# Definitions of the sliding speed: relative speed of the touching material points; speed of the centres across their
+# line; or speed at which the contact point moves round, depth / (clearance + depth) times the centres' speed (Eq 35).
 SLIDING_READINGS = ("material", "centres", "places")
 MATERIAL, CENTRES, PLACES = range(3)
-LEAST_CLEARANCE, LARGEST_CLEARANCE = 5e-6, 1e-2  # m, range of Pereira's fit
+LEAST_CLEARANCE, LARGEST_CLEARANCE = 5e-6, 1e-2  # m, clearance range of Pereira's fit
 
 
 def impact_defect(d: float, e: float) -> float:
-    """Return ln[(1 + d) / (1 - d e)] - d (1 + e): zero for damping factor d and ratio e of exit to entry speed."""
+    """Return ln[(1 + d) / (1 - d e)] - d (1 + e): zero if damping factor d gives the exit-to-entry speed ratio e."""
     room = 1.0 - d * e
     return math.log1p(d) - math.log(room) - d * (1.0 + e) if room > 0.0 else math.inf
 
@@ -34,13 +34,13 @@ def bisect(function: Callable[[float], float], low: float, high: float) -> float
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """The normal force F = K depth^n (1 + d rate / v), never attractive, with the speed v at which the contact began.
+    """Normal force F = K depth^n (1 + d rate / v), never attractive; v is the speed at which the contact began.
 
     K. H. Hunt and F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440, doi:10.1115/1.3423596. The static methods hold for
     positive depths.
 
     Attributes:
-        stiffness: K [N/m^n]: its unit depends on the exponent.
+        stiffness: K [N/m^n], whose unit depends on the exponent.
         exponent: n (dimensionless, 1 to 2); 1.5 for the point contact of spheres.
         damping: damping factor d (dimensionless).
     """
@@ -55,10 +55,10 @@ class PowerLaw:
         require(1.0 <= self.exponent <= 2.0, self, "exponent", self.exponent, "must lie between 1 and 2")
 
     def parameters(self) -> tuple[float, ...]:
-        """Return the attributes, and an undamped impact's duration in units of greatest depth divided by impact speed.
+        """Return (K, n, d) and an undamped impact's duration, in units of greatest depth divided by impact speed.
 
-        That is twice the integral of dx / sqrt(1 - x^(n+1)) from 0 to 1: 2 sqrt(pi) Gamma(1 + p) / Gamma(1/2 + p) with
-        p = 1 / (n + 1); 2.94328 for n = 1.5 (K. L. Johnson, Contact Mechanics, 1985, section 11.4).
+        The scaled duration is twice the integral of dx / sqrt(1 - x^(n+1)) from 0 to 1: 2 sqrt(pi) Gamma(1 + p) /
+        Gamma(1/2 + p) with p = 1 / (n + 1); 2.94328 for n = 1.5 (K. L. Johnson, Contact Mechanics, 1985, section 11.4).
         """
         p = 1.0 / (self.exponent + 1.0)
         duration = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + p) / math.gamma(0.5 + p)
@@ -69,25 +69,25 @@ class PowerLaw:
         return float((load / self.stiffness) ** (1.0 / self.exponent))
 
     def exit_speed_ratio(self) -> float:
-        """Return the ratio of exit to entry speed of an impact, whatever mass, speed, stiffness and exponent.
+        """Return an impact's ratio e of exit to entry speed, which depends on the damping factor d alone.
 
-        The equation of motion m depth'' = -F separates: d (1 + e) = ln[(1 + d) / (1 - d e)].
+        The equation of motion m depth'' = -F separates into d (1 + e) = ln[(1 + d) / (1 - d e)].
         """
         d = self.damping
         if d < 3e-4:
-            return 1.0 - 2.0 / 3.0 * d + 4.0 / 9.0 * d * d  # the terms of the equation cancel there
+            return 1.0 - 2.0 / 3.0 * d + 4.0 / 9.0 * d * d  # series, since the terms of the equation cancel
         return bisect(lambda e: impact_defect(d, e), 0.0, min(1.0, 1.0 / d))
 
     @staticmethod
     def energy(parameters: Sequence[float], depth: float) -> float:
-        """Return the stored energy [J]."""
+        """Return the elastic energy [J] that a contact with these law `parameters` stores at a positive depth [m]."""
         stiffness, exponent = parameters[0], parameters[1]
         growth = math.sqrt(depth) if exponent == 1.5 else depth ** (exponent - 1.0)
         return 1.0 / (exponent + 1.0) * stiffness * depth * depth * growth
 
     @staticmethod
     def impact_scales(parameters: Sequence[float], inverse_mass: float, impact_speed: float) -> tuple[float, float]:
-        """Return the greatest depth [m] and duration [s] of an undamped impact, by inverse effective mass [1/kg]."""
+        """Return the greatest depth [m] and duration [s] of an undamped impact at an inverse effective mass [1/kg]."""
         stiffness, power = parameters[0], parameters[1] + 1.0
         depth = (0.5 * power * impact_speed * impact_speed / (inverse_mass * stiffness)) ** (1.0 / power)
         return depth, parameters[3] * depth / impact_speed
@@ -98,12 +98,12 @@ class Surfaces:
     """Radii, length and materials of a journal and its bearing.
 
     Attributes:
-        bearing_radius, journal_radius: [m].
-        length: of the bearing along its axis [m].
+        bearing_radius, journal_radius: radii [m].
+        length: axial length of the bearing [m].
         bearing_young, journal_young: moduli of elasticity [Pa].
         bearing_poisson, journal_poisson: Poisson's ratios.
         stiffness: measured stiffness of the contact of spheres [N/m^1.5]; None computes it from radii and materials.
-        bracket_stiffness: radial stiffness of the brackets of journal and bearing, in series [N/m]; None if unknown.
+        bracket_stiffness: radial stiffness of the journal's and bearing's brackets in series [N/m]; None if unknown.
     """
 
     bearing_radius: float
@@ -127,38 +127,38 @@ class Surfaces:
 
     @property
     def compliance(self) -> float:
-        """Sum of (1 - nu^2) / E of the two materials [1/Pa], the inverse of their composite modulus E*."""
+        """Inverse of the composite modulus E* [1/Pa]: sum of (1 - nu^2) / E for the two materials."""
         bearing = (1.0 - self.bearing_poisson**2) / self.bearing_young
         return bearing + (1.0 - self.journal_poisson**2) / self.journal_young
 
 
 def lankarani_damping(restitution: float) -> float:
-    """Return the damping factor d = 3 (1 - e^2) / 4: right for e near 1; its exit speed ratio is never below 0.66."""
+    """Return the damping factor 3 (1 - e^2) / 4 for restitutions e near 1; its exit speed ratio is never below 0.66."""
     return 0.75 * (1.0 - restitution**2)
 
 
 def flores_damping(restitution: float) -> float:
-    """Return the damping factor d = 8 (1 - e) / (5 e): the exit speed is within 0.04 of the restitution e."""
+    """Return the damping factor 8 (1 - e) / (5 e): the exit speed ratio is within 0.04 of the restitution e."""
     return 1.6 * (1.0 - restitution) / restitution
 
 
 def exact_damping(restitution: float) -> float:
-    """Return the damping factor d with d (1 + e) = ln[(1 + d) / (1 - d e)]: `PowerLaw.exit_speed_ratio` solved for d.
+    """Return the damping factor d for which the exit speed ratio is e: d (1 + e) = ln[(1 + d) / (1 - d e)].
 
-    The exit speed is off by less than 2e-11 of the entry speed.
+    The function inverts `PowerLaw.exit_speed_ratio`; the exit speed errs by less than 2e-11 of the entry speed.
     """
     e = restitution
     if e > 1.0 - 2e-4:
-        return 1.5 * (1.0 - e**2) / (1.0 + e**3)  # the terms of the equation cancel there
-    # With the damping factor of Lankarani and Nikravesh the exit is faster.
+        return 1.5 * (1.0 - e**2) / (1.0 + e**3)  # limit for e near 1, since the terms of the equation cancel
+    # Lankarani and Nikravesh's damping factor is a lower bound: it gives a faster exit.
     return bisect(lambda d: impact_defect(d, e), lankarani_damping(e), 1.0 / e)
 
 
 def sphere(surfaces: Surfaces, damping: float) -> PowerLaw:
-    """Return the law of a sphere in a spherical seat, F = K depth^1.5 (1 + d rate / v), K given or from the materials.
+    """Return the contact law of a sphere in a spherical seat, F = K depth^1.5 (1 + d rate / v).
 
-    K = 4 / (3 (h_b + h_j)) sqrt(R_b R_j / (R_b - R_j)) [N/m^1.5] with h = (1 - nu^2) / E: W. Goldsmith, Impact (1960);
-    Eq 40 of Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188.
+    Unless given, K = 4 / (3 (h_b + h_j)) sqrt(R_b R_j / (R_b - R_j)) [N/m^1.5] with h = (1 - nu^2) / E: W. Goldsmith,
+    Impact (1960); Eq 40 of Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188.
     """
     if surfaces.stiffness is not None:
         return PowerLaw(surfaces.stiffness, 1.5, damping)
@@ -168,13 +168,13 @@ def sphere(surfaces: Surfaces, damping: float) -> PowerLaw:
 
 
 def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
-    """Return the law of a cylinder in a cylindrical seat with parallel axes: a journal in a long bearing.
+    """Return the contact law of a cylinder in a cylindrical seat with parallel axes: a journal in a long bearing.
 
-    F = (0.965 c + 0.0965) L E* / c depth^n (1 + 3 (1 - e^2) / 4 rate / v) with n = Y c^-0.005, in N, mm and MPa, where
-    c is the difference of the radii; Y = 1.51 ln(1000 c)^-0.151 for c below 0.34954, else 0.0151 c + 1.151. C. Pereira,
-    A. Ramalho and J. Ambrosio, Nonlinear Dyn. 63 (2011) 681, doi:10.1007/s11071-010-9830-3, and Multibody Syst. Dyn. 35
-    (2015) 277, doi:10.1007/s11044-015-9449-x: a power law fitted to the implicit formula of line contact of
-    K. L. Johnson (Contact Mechanics, 1985).
+    F = (0.965 c + 0.0965) L E* / c depth^n (1 + 3 (1 - e^2) / 4 rate / v) with n = Y c^-0.005, in N, mm and MPa. Here c
+    is the difference of the radii; Y = 1.51 ln(1000 c)^-0.151 for c below 0.34954, else 0.0151 c + 1.151. This law fits
+    K. L. Johnson's implicit line contact (Contact Mechanics, 1985): C. Pereira, A. Ramalho and J. Ambrosio, Nonlinear
+    Dyn. 63 (2011) 681, doi:10.1007/s11071-010-9830-3; Multibody Syst. Dyn. 35 (2015) 277,
+    doi:10.1007/s11044-015-9449-x.
 
     Raises:
         ValueError: if the clearance lies outside the range of the fit, or a stiffness is given.
@@ -195,10 +195,10 @@ def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
 
 
 def bracket(surfaces: Surfaces, restitution: float) -> PowerLaw:
-    """Return the law of surfaces far stiffer than their bracket: F = K depth (1 + d rate / v), K of the bracket.
+    """Return the contact law of surfaces far stiffer than their bracket: F = K depth (1 + d rate / v).
 
-    In series with a bracket the surfaces' own depth counts little: 337 N press spheres of 4 mm with a clearance of
-    25 um in by 2.5 um, and a bracket of 1e7 N/m by 34 um. The exit speed is exactly the restitution.
+    K is the bracket's stiffness, since the surfaces' own depth is small: 337 N press spheres of 4 mm with a clearance
+    of 25 um in by 2.5 um, and a bracket of 1e7 N/m by 34 um. The exit speed ratio is exactly the restitution.
 
     Raises:
         ValueError: if the bracket's stiffness is unknown, or a stiffness of spheres is given.
@@ -211,7 +211,7 @@ def bracket(surfaces: Surfaces, restitution: float) -> PowerLaw:
 
 def _refuse_stiffness(surfaces: Surfaces, remedy: str) -> None:
     if surfaces.stiffness is not None:
-        raise ValueError(f"contact_stiffness = {surfaces.stiffness!r} is that of spheres; {remedy}")
+        raise ValueError(f"contact_stiffness = {surfaces.stiffness!r} holds for spheres; {remedy}")
 
 
 CONTACT_LAWS: dict[str, Callable[[Surfaces, float], PowerLaw]] = {
@@ -219,7 +219,7 @@ CONTACT_LAWS: dict[str, Callable[[Surfaces, float], PowerLaw]] = {
     "lankarani-nikravesh": lambda surfaces, e: sphere(surfaces, lankarani_damping(e)),
     # P. Flores, M. Machado, M. T. Silva and J. M. Martins, Multibody Syst. Dyn. 25 (2011) 357.
     "flores": lambda surfaces, e: sphere(surfaces, flores_damping(e)),
-    # H. Hertz, J. reine angew. Math. 92 (1881) 156: it conserves energy, whatever restitution is asked for.
+    # H. Hertz, J. reine angew. Math. 92 (1881) 156: this law conserves energy at any requested restitution.
     "hertz": lambda surfaces, e: sphere(surfaces, 0.0),
     "restitution": lambda surfaces, e: sphere(surfaces, exact_damping(e)),
     "pereira": cylinder,
@@ -228,7 +228,7 @@ CONTACT_LAWS: dict[str, Callable[[Surfaces, float], PowerLaw]] = {
 
 
 def contact_law(name: str, surfaces: Surfaces, coefficient: float) -> PowerLaw:
-    """Return the contact law of a name between two surfaces, at a coefficient of restitution in (0, 1].
+    """Return the contact law called `name` for two surfaces and a coefficient of restitution in (0, 1].
 
     Raises:
         ValueError: if the law is unknown, or the restitution or the surfaces lie outside the law's range.

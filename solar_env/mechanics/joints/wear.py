@@ -1,15 +1,15 @@
-"""Archard wear of journal and bearing, kept as a depth per circumferential bin.
+"""Archard wear of journal and bearing, stored as a depth for each circumferential bin.
 
-dh = k p ds (J. F. Archard, J. Appl. Phys. 24 (1953) 981, doi:10.1063/1.1721448), with the pressure p spread evenly
-over the arc that the journal presses into the bearing, so that the worn volume of either surface is
-k * integral of (normal force * sliding speed) dt exactly. Over a step the pressed arc moves evenly along another one.
+dh = k p ds (J. F. Archard, J. Appl. Phys. 24 (1953) 981, doi:10.1063/1.1721448). The pressure p is even over the arc
+that the journal presses into the bearing, so that the worn volume of either surface is exactly k * integral of (normal
+force * sliding speed) dt. During a step the pressed arc moves evenly along a second arc.
 """
 
 import math
 
 from solar_env.mechanics.numerics.jit import kernel
 
-_NARROWEST = 1e-9  # rad, least half angle
+_NARROWEST = 1e-9  # rad, narrowest half angle of an arc
 
 
 @kernel
@@ -20,9 +20,10 @@ def pressed_half_angle(depth, clearance):
 
 @kernel
 def share_below(angle, wide, narrow):
-    """Return the share of the wear below an `angle` [rad] from the middle, by an arc that moves along another one.
+    """Return the fraction of a step's wear at angles below `angle` [rad], counted from the middle of the worn zone.
 
-    Half angles are `wide` and `narrow`: the depth is even in the middle, and falls off linearly to both sides.
+    A pressed arc moves along a second arc; `wide` and `narrow` are the greater and the smaller of their half angles
+    [rad]. The worn depth is even in the middle, and falls off linearly to both sides.
     """
     distance = abs(angle)
     rest = wide + narrow - distance
@@ -37,16 +38,16 @@ def share_below(angle, wide, narrow):
 
 @kernel
 def add_wear(depths, angle, pressed, moved, section, radius):
-    """Spread worn material over the bins of a surface on which an arc presses that moves along another one.
+    """Spread worn material over the bins of a surface on which a pressed arc moves along a second arc.
 
     Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's frame.
 
     Args:
-        depths: written.
-        angle: of the middle of both arcs [rad].
+        depths: wear depths; written.
+        angle: middle of both arcs [rad].
         pressed, moved: half angles of the pressed arc and of the arc that its middle moves along [rad].
         section: worn cross-section area [m2].
-        radius: of the surface [m].
+        radius: radius of the surface [m].
     """
     bins = depths.size
     width = 2.0 * math.pi / bins

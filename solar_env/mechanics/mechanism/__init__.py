@@ -1,10 +1,10 @@
 """Mechanisms as data: bodies, joints, springs, stops, bearings, cables, drives and loads.
 
-`description` holds the parts, `textbook` and `beams` build mechanisms of the literature from them. Imports the rooms
-below. A new part is a frozen dataclass in SI units, checked when it is made, and its place in `equations.build`.
+`description` defines the parts; `textbook` and `beams` build mechanisms of the literature from these parts. To add a
+part, write a frozen dataclass in SI units that checks its values when it is made, and compile it in `equations.build`.
 """
 
-# ruff: noqa: F401 - names of the room
+# ruff: noqa: F401 - names that the package exports
 
 from solar_env.mechanics.mechanism.beams import PANEL, Beam, cantilever
 from solar_env.mechanics.mechanism.description import (

@@ -1,7 +1,7 @@
 """Textbook beams as mechanisms of one flexible body: cantilever, spin-up, falling pendulum, free flight.
 
-Beams start straight, along the x axis unless an angle says otherwise, with the first end at the origin. SI units;
-counter-clockwise positive.
+Beams start straight, along the x axis unless an angle is given, with the first end at the origin. Quantities are in SI
+units; angles are counter-clockwise positive.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ BEAM = "beam"
 
 @dataclass(frozen=True)
 class Beam:
-    """A uniform beam.
+    """Uniform beam with axial and bending stiffness.
 
     Attributes:
-        length: [m].
+        length: beam length [m].
         linear_density: mass per length [kg/m].
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
@@ -34,7 +34,7 @@ class Beam:
 
     @classmethod
     def solid(cls, length: float, area: float, second_moment: float, density: float, young: float) -> Beam:
-        """Return a beam from its cross-section [m2, m4], density [kg/m3] and Young's modulus [Pa]."""
+        """Return a beam from section area [m2], second moment of area [m4], density [kg/m3], Young's modulus [Pa]."""
         return cls(length, density * area, young * area, young * second_moment)
 
     @property
@@ -58,9 +58,9 @@ class Beam:
         )
 
 
-# Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188, Table 1: 1.5 m x 1 m x 0.02 m.
+# Panel of 1.5 m x 1 m x 0.02 m: Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188, Table 1.
 PANEL = Beam.solid(1.5, 0.02, 0.02**3 / 12.0, 200.0, 280e6)
-# J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855, doi:10.1115/1.3171871; their shear is left out.
+# J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855, doi:10.1115/1.3171871; shear deformation is left out.
 SPIN_UP_BEAM = Beam(length=10.0, linear_density=1.2, axial_stiffness=2.8e7, bending_stiffness=1.4e4)
 # M. Berzeri and A. A. Shabana, J. Sound Vib. 235 (2000) 539, doi:10.1006/jsvi.1999.2935.
 PENDULUM_BEAM = Beam.solid(1.2, 0.0018, 1.215e-8, 5540.0, 0.7e6)
@@ -108,5 +108,5 @@ def free_beam(
     angle: float = 0.0,
     loads: tuple[Load, ...] = (),
 ) -> Mechanism:
-    """Return a beam without supports; `velocity` belongs to its first end, `loads` act on the body `BEAM`."""
+    """Return a beam without supports; `velocity` is its first end's velocity, and `loads` act on the body `BEAM`."""
     return Mechanism((beam.body(elements, angle, velocity, spin),), loads=loads)

@@ -1,6 +1,6 @@
 """Mechanisms as data: bodies, joints, force elements. `build.compile_mechanism` turns them into arrays.
 
-All quantities in SI units; angles in rad; counter-clockwise positive. Bad parameters are refused on construction.
+All quantities are in SI units, angles in rad and counter-clockwise positive. Constructors refuse bad parameters.
 """
 
 import math
@@ -29,10 +29,10 @@ class Stop:
 
     Attributes:
         gap: free play to each side [rad].
-        stiffness: [N m / rad^exponent].
-        exponent: of the elastic torque.
+        stiffness: elastic stiffness [N m / rad^exponent].
+        exponent: exponent of the elastic torque.
         ramp_depth: depth over which the damping is ramped in [rad].
-        damping: [N m s/rad].
+        damping: damping beyond the ramp depth [N m s/rad].
     """
 
     gap: float
@@ -49,18 +49,19 @@ class Stop:
 
 @dataclass(frozen=True)
 class Bearing:
-    """Clearance of a joint with its contact, friction and wear (laws: `joints`).
+    """Bearing with clearance: dimensions, contact, friction and wear (laws: `joints`).
 
     Attributes:
-        clearance: radial [m].
-        journal_radius: [m].
+        clearance: radial clearance [m].
+        journal_radius: radius of the journal [m].
         contact: law of the normal force.
         minimum_impact_speed: lower bound of the impact speed in the contact law [m/s].
-        friction_coefficient: Coulomb's.
-        friction_speeds: sliding speeds at which friction sets in, and from which on it is Coulomb's [m/s].
-        sliding: speed that friction and wear take: "material", of the material points in contact; "centres", of the
-            joint's centres; "places", of the places of contact, which travel round with the line of centres: some
-            percent of the centres' speed (paper, Eq 35 as printed). The last two leave the bodies' rotation out.
+        friction_coefficient: Coulomb's coefficient of friction.
+        friction_speeds: sliding speeds at which friction sets in, and at which it reaches Coulomb's force [m/s].
+        sliding: definition of the sliding speed in friction and wear: "material", relative speed of the touching
+            material points; "centres", speed of the joint's centres; "places", speed of the contact point round the
+            line of centres, some percent of the centres' speed (paper, Eq 35 as printed). The last two leave the
+            bodies' rotation out.
         wear_coefficient: Archard's k [m2/N].
         width: axial length of the bearing [m].
     """
@@ -89,30 +90,30 @@ TorqueTable = tuple[Point, ...]
 
 @dataclass(frozen=True)
 class Joint:
-    """A revolute joint between a point of the inboard body (bearing) and one of the outboard body (journal).
+    """Revolute joint between a point of the inboard body (bearing) and a point of the outboard body (journal).
 
     Attributes:
         name: unique name.
         inboard, outboard: body names; the inboard one may be "ground".
-        inboard_point, outboard_point: in the body frames [m].
+        inboard_point, outboard_point: points of the joint in the body frames [m].
         sign: +1 if the joint angle grows with the outboard body's counter-clockwise turn, else -1.
         folded_angle: angle from the inboard to the outboard x axis at joint angle 0 [rad].
         middle: middle of the joint angle's range, which is 2 pi wide [rad].
-        bearing: the clearance; None for an ideal joint.
+        bearing: bearing with clearance; None for an ideal joint.
         spring: torsion spring, if any.
-        stop: shared by latch and stow stop.
+        stop: parameters of both latch and stow stop.
         lock_angle: joint angle at which the joint latches; None for no latch.
         stow_angle: joint angle below which the stop pushes back; None for no stow stop.
-        latches: whether the joint latches at the lock angle; else only a stop is there, and the joint counts as latched
-            from its first arrival on.
-        release_time: time [s] at which a hold-down lets go of the joint, which it holds folded until then; None for
-            no hold-down.
-        release_after: joint whose latching the release time is counted from, not t = 0.
-        spring_table: angles [rad] and torques [N m] of a spring of any characteristic, beside `spring`.
-        harness: angles [rad] and torques [N m] of anything else that works on the hinge by its angle.
-        damping: of a viscous damper [N m s/rad].
-        friction_torque: of dry friction [N m].
-        friction_ramp_rate: rate about which the dry friction turns round [rad/s].
+        latches: whether the joint latches at the lock angle; otherwise the lock angle has only a stop, and the joint
+            counts as latched from its first arrival on.
+        release_time: time [s] at which a hold-down releases the joint, which it holds folded until then; None for no
+            hold-down.
+        release_after: joint whose latching starts the release time; None starts it at t = 0.
+        spring_table: angles [rad] and torques [N m] of a spring of any characteristic, in addition to `spring`.
+        harness: angles [rad] and torques [N m] of any other torque that depends on the joint angle.
+        damping: coefficient of a viscous damper [N m s/rad].
+        friction_torque: Coulomb torque of dry friction [N m].
+        friction_ramp_rate: rate over which dry friction reverses smoothly [rad/s].
     """
 
     name: str
@@ -159,20 +160,20 @@ class Joint:
 class CableLoop:
     """Closed cable loop over the wheels of two joints: a belt along the body between them (paper, Eqs 2-4).
 
-    The wheel at joint a is fixed to that joint's inboard body, the one at joint b to its outboard body; the strands run
-    from hinge to hinge, along the chord of the body between. The wheels' angles are the joints' angles, but counted
-    from the chord where that body bends. With the mismatch s = wheel_ratio * angle_a - angle_b, the torque on the wheel
-    at joint b is K s, and at joint a -torque_ratio * K s, while both strands are taut; their reaction acts on the body
+    The wheel at joint a is fixed to joint a's inboard body, the wheel at joint b to joint b's outboard body. The
+    strands run from hinge to hinge along the chord of the body between. The wheels' angles are the joint angles, but
+    count from this chord where the body bends. With the mismatch s = wheel_ratio * angle_a - angle_b and both strands
+    taut, the torque is K s on the wheel at joint b and -torque_ratio * K s at joint a. The reaction acts on the body
     between, as a pair of forces at its hinges. The loop conserves energy if the two ratios are equal.
 
     Attributes:
         joint_a, joint_b: joint names; the outboard body of joint a is the inboard body of joint b.
         stiffness: K [N m/rad].
-        wheel_ratio: dimensionless.
-        torque_ratio: dimensionless.
+        wheel_ratio: factor of angle_a in the mismatch (dimensionless).
+        torque_ratio: minus the torque at joint a divided by the torque at joint b (dimensionless).
         preload_torque: strand preload times the wheel radius of joint b [N m]; infinite for a loop that never slackens.
-        wheel_radius: of the wheel at joint b [m], if the strands pull on the bearings, too (Eq 3); they then run from
-            wheel centre to wheel centre. None leaves these forces out.
+        wheel_radius: radius of the wheel at joint b [m]; the strands then run from wheel centre to wheel centre, and
+            pull on the bearings, too (Eq 3). None leaves these forces out.
     """
 
     joint_a: str
@@ -193,18 +194,17 @@ class CableLoop:
 
 @dataclass(frozen=True)
 class Drive:
-    """Prescribed direction of a body at a point: angle + rate * t, or a smooth run-up to that rate.
+    """Prescribed direction of a body at a point: angle + rate * t, or a smooth run-up to the rate.
 
-    With a ramp time T the angle is angle + (rate / T) (t^2 / 2 + (T / 2 pi)^2 (cos(2 pi t / T) - 1)) up to T and
-    angle + rate (t - T / 2) from then on: J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855,
-    doi:10.1115/1.3171871.
+    With a ramp time T the angle is angle + (rate / T) (t^2 / 2 + (T / 2 pi)^2 (cos(2 pi t / T) - 1)) up to T and angle
+    + rate (t - T / 2) from then on: J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855, doi:10.1115/1.3171871.
 
     Attributes:
-        body: name.
-        angle: of the body's direction at t = 0 [rad].
+        body: name of the body.
+        angle: direction angle of the body at t = 0 [rad].
         rate: final rate [rad/s].
         ramp_time: T [s]; 0 starts at the full rate.
-        point: of the body's frame [m]; matters for a flexible body.
+        point: point in the body's frame [m], which matters for a flexible body.
     """
 
     body: str
@@ -220,13 +220,13 @@ class Drive:
 
 @dataclass(frozen=True)
 class Load:
-    """A constant force (inertial axes) and torque at a point of a body.
+    """Constant force (inertial axes) and torque at a point of a body.
 
     Attributes:
-        body: name.
-        point: of the body's frame [m].
-        force: [N].
-        torque: counter-clockwise [N m].
+        body: name of the body.
+        point: point in the body's frame [m].
+        force: force components [N].
+        torque: counter-clockwise torque [N m].
     """
 
     body: str
@@ -240,9 +240,9 @@ class Load:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """A planar mechanism.
+    """Planar mechanism: bodies, joints, cable loops, drives, loads, gravity and number of wear bins.
 
-    Neighbours in `bodies` should be neighbours in the mechanism: implicit integration eliminates in this order.
+    Neighbours in `bodies` should be connected: implicit integration eliminates in the order of `bodies`.
     """
 
     bodies: tuple[AnyBody, ...]

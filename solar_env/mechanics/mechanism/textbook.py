@@ -1,7 +1,7 @@
-"""Textbook mechanisms as descriptions of the same parts that the solar array is built from.
+"""Textbook mechanisms, built from the same parts as the solar array.
 
-x points to the right, y up, and link angles are measured from the x axis, counter-clockwise positive. All quantities in
-SI units. Every initial state meets the constraints; the journals of clearance joints start centred unless said.
+x points to the right, y up; link angles count from the x axis, counter-clockwise positive. All quantities are in SI
+units. Initial states meet the constraints. Journals with clearance start centred unless a docstring says otherwise.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ FOUR_BAR_PINS = ("ground-crank", "crank-coupler", "coupler-rocker", "ground-rock
 
 @dataclass(frozen=True)
 class Link:
-    """A straight link between two pins, with its centroid halfway.
+    """Straight link between two pins, with its centroid halfway.
 
     Attributes:
-        length: between the pins [m].
-        mass: [kg].
-        inertia: about the centroid [kg m2].
+        length: distance between the pins [m].
+        mass: mass of the link [kg].
+        inertia: moment of inertia about the centroid [kg m2].
     """
 
     length: float
@@ -38,7 +38,7 @@ class Link:
         return cls(length, mass, mass * length**2 / 12.0)
 
     def body(self, name: str, position: complex, angle: float, velocity: complex, spin: float) -> Body:
-        """Return the link as a body whose first pin moves as given; complex numbers stand for points, x + i y."""
+        """Return the link as a body, given the motion of its first pin; complex numbers x + i y stand for points."""
         body = Body(name, self.mass, self.inertia, self.length, (self.length / 2.0, 0.0), angle=angle, spin=spin)
         return replace(body, position=(position.real, position.imag), velocity=(velocity.real, velocity.imag))
 
@@ -48,8 +48,8 @@ def pendulum(
 ) -> Mechanism:
     """Return a simple pendulum: a point mass on a massless link, pinned at the origin.
 
-    The body has equal point masses at both ends, of which the one in the pin does not move; so its inertia is
-    regular and the multiplier of its length is exactly the link's tension divided by the length [N/m].
+    The body has equal point masses at both ends; the mass at the pin does not move. The body's inertia is then regular.
+    The multiplier of its length constraint is exactly the link's tension divided by the length [N/m].
     """
     body = Link(length, 2.0 * mass, 0.5 * mass * length**2).body("bob", 0j, angle, 0j, 0.0)
     joint = Joint("pivot", GROUND, "bob", (0.0, 0.0), (0.0, 0.0))
@@ -57,9 +57,9 @@ def pendulum(
 
 
 def flores_bearing(clearance: float = 5e-4) -> Bearing:
-    """Return P. Flores' bearing of a radial clearance [m], Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8.
+    """Return a bearing of P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8, by its clearance [m].
 
-    Radius 10 mm, friction 0.03, Lankarani-Nikravesh with restitution 0.9.
+    The bearing has radius 10 mm, friction 0.03, and the Lankarani-Nikravesh contact law with restitution 0.9.
     """
     return Bearing(
         clearance=clearance,
@@ -81,15 +81,15 @@ def four_bar(
 ) -> Mechanism:
     """Return the four-bar linkage with a crank that turns at a constant rate, in its open configuration.
 
-    Crank and rocker are pinned at (0, 0) and (ground_length, 0). The default slender links make a
-    crank-rocker: 0.10 m, 0.35 m and 0.25 m with 1 kg a metre, one turn a second (chosen).
+    Crank and rocker are pinned at (0, 0) and (ground_length, 0). The default slender links make a crank-rocker: 0.10 m,
+    0.35 m and 0.25 m with 1 kg a metre, and one turn a second (chosen).
 
     Args:
         crank, coupler, rocker: links; None takes the defaults.
-        ground_length: distance of the fixed pins [m].
-        crank_rate: [rad/s].
-        crank_angle: at t = 0 [rad].
-        gravity: towards -y [m/s2].
+        ground_length: distance between the fixed pins [m].
+        crank_rate: rate of the crank [rad/s].
+        crank_angle: angle of the crank at t = 0 [rad].
+        gravity: gravity towards -y [m/s2].
         clearances: bearings by pin, a name of FOUR_BAR_PINS; the other pins are ideal.
 
     Raises:
@@ -134,13 +134,13 @@ def four_bar(
 def bouncing_block(
     bearing: Bearing, mass: float = 1.0, speed: float = 0.1, housing_mass: float | None = None
 ) -> Mechanism:
-    """Return a block bouncing to and fro in a gap: a journal on a diameter of its bearing, centred at t = 0.
+    """Return a block that bounces in a gap: a journal that moves on a diameter of its bearing, centred at t = 0.
 
     Args:
-        bearing: the gap is twice its clearance; without friction the block stays on the x axis.
-        mass: of the block [kg].
-        speed: along x at t = 0 [m/s].
-        housing_mass: of a free housing that carries the bearing [kg]; None fixes the bearing.
+        bearing: bearing whose clearance is half the gap; without friction the block stays on the x axis.
+        mass: mass of the block [kg].
+        speed: speed along x at t = 0 [m/s].
+        housing_mass: mass of a free housing that carries the bearing [kg]; None fixes the bearing.
     """
     radius = bearing.journal_radius
     block = Body("block", mass, 0.5 * mass * radius**2, radius, (0.0, 0.0), velocity=(speed, 0.0))
@@ -154,16 +154,16 @@ def loaded_journal(
 ) -> Mechanism:
     """Return a journal of 1 kg, loaded by a force, in a bearing that is fixed to the ground.
 
-    It starts at rest, or turning, at the depth that carries the load. Driven at a constant rate it slides and
-    wears. Left free and turned by a motor torque on its joint, it creeps with the friction that balances the
-    torque; the flywheel on it (0.01 kg m2) keeps it from rolling to and fro in the bearing.
+    The journal starts at the depth that carries the load, at rest or turning. Driven at a constant rate, it slides and
+    wears. A free journal that a motor torque turns creeps with the friction that balances the torque; its flywheel
+    (0.01 kg m2) keeps it from rolling to and fro in the bearing.
 
     Args:
         bearing: clearance, friction and wear.
-        load: [N], towards -y.
-        lean: initial place of the journal's centre, off the bottom towards -x [rad].
+        load: load towards -y [N].
+        lean: initial angle of the journal's centre from the bottom of the bearing towards -x [rad].
         rate: prescribed angular velocity [rad/s]; None leaves the journal free, at rest.
-        wear_bins: circumferential bins of each surface.
+        wear_bins: number of circumferential bins of each surface.
 
     Raises:
         ValueError: if the load is not positive.

@@ -1,4 +1,4 @@
-"""End of a step: its error in units of the tolerances, and the state moved to its end."""
+"""Acceptance of a step: its error in units of the tolerances, and the update of modes, loads and maxima at its end."""
 
 import math
 
@@ -24,14 +24,14 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.vectors import load4, splat4, store4, sum_lanes
 
-# Least ratio of a step to the last one with which the last one's reactions tell its error. After a longer step they
-# tell of the fast vibrations that the longer step does not resolve.
+# Least ratio of a step to the last step at which the previous reactions measure its error. After a far longer last
+# step, they show fast vibrations that the longer step did not resolve.
 _COMPARABLE = 0.01
 
 
 @kernel
 def at_start(course):
-    """Return the value at the start of a step of a course given by its values at the stages."""
+    """Return the value at the start of a step of the polynomial through the values `course` at its stages."""
     total = 0.0
     for k in range(STAGES):
         total += AT_START[k] * course[k]
@@ -40,7 +40,7 @@ def at_start(course):
 
 @kernel
 def vibration_defect(panels, panel, free, held, d, h, kind, group):
-    """Return the defect [m/s] of a group's vibration at the ends, without the part held by loads and foreshortening."""
+    """Return the error [m/s] of a group's unresolved vibration at the ends, less what loads and foreshortening hold."""
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
         defect += held[kind, group, j] * at_start(panel.load[group, j])
@@ -57,17 +57,16 @@ def vibration_defect(panels, panel, free, held, d, h, kind, group):
 
 @kernel
 def deviation(state, work, k):
-    """Return the magnitude of a load at the start of the step minus the polynomial through its stages there."""
+    """Return how far load `k` at the start of the step is from the polynomial through its values at the stages."""
     return abs(state.course[k, LAST] - at_start(work.loads[k].stage))
 
 
 @kernel
 def step_error(model, state, work, settings, tables, level, h):
-    """Return the error of a step in units of the tolerances.
+    """Return the error of a solved step `h` [s] in units of the tolerances.
 
-    A load's error is its value at the start minus the polynomial through its stages there. After a far longer step, a
-    reaction's error is its change between the stages if that is less. The error of vibrations that the step does not
-    resolve is the motion of the ends minus the exact motion.
+    A load's error is its `deviation`. If the last step was far longer, a reaction's error is at most its change between
+    the stages. The error of unresolved vibrations is the motion of the ends minus the exact motion.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -88,7 +87,7 @@ def step_error(model, state, work, settings, tables, level, h):
             panel, free, held = work.panels[p], tables.free[d, level], tables.responses[d, level].held
             total = 0.0
             for kind in range(DEFECTS):
-                # At one end or the other, the even and the odd part add up.
+                # The even and the odd part add up at one of the two ends.
                 across = along = 0.0
                 for group in range(GROUPS):
                     defect = vibration_defect(model.panels, panel, free, held, d, h, kind, group)
@@ -103,21 +102,21 @@ def step_error(model, state, work, settings, tables, level, h):
 
 @kernel
 def number_at(array, k):
-    """Return the number `k` of an array."""
+    """Return element `k` of an array; the counterpart of `load4` for a single number."""
     return array[k]
 
 
 @kernel
 def put_number(array, k, number):
-    """Set number `k` of an array."""
+    """Set element `k` of an array; the counterpart of `store4` for a single number."""
     array[k] = number
 
 
 @kernel
 def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
-    """Move the amplitude of mode `k` over the step, or four at once where `take` and `put` move vectors.
+    """Advance the amplitude of mode `k` over the step, or of four modes at once where `take` and `put` move vectors.
 
-    Return the square of its rate times `frequency` [1/s]. `load` holds the loads of the ends at the stages.
+    Return the square of the new rate times `frequency` [1/s]. `load` holds the loads of the ends at the stages.
     """
     value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
     moved = take(ends[0], k) * value + take(ends[1], k) * rate
@@ -134,7 +133,7 @@ def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
 
 @kernel
 def move_panel(panels, panel, ends, d, q, v):
-    """Move the amplitudes of a panel over the step; return the power of its damping at the end [W]."""
+    """Advance a panel's amplitudes over the step; return the power [W] that damping dissipates at the end."""
     total = 0.0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
@@ -152,7 +151,7 @@ def move_panel(panels, panel, ends, d, q, v):
                 force = panel.coupling[group, r, s]
                 values[r] += ends[2 + s, begin + r] * force
                 rates[r] += ends[4 + STAGES + s, begin + r] * force
-            # An axial mode is strained at the rate of the amplitude minus foreshortening's.
+            # The strain rate of an axial mode is the rate of its amplitude minus foreshortening's rate.
             strain_rate = panel.strain_rate[group, r] if group >= AXIAL_EVEN else rates[r]
             total += frequency[r] ** 2 * (strain_rate * strain_rate - before * before)
     return panels.damping[d] * total
@@ -160,13 +159,13 @@ def move_panel(panels, panel, ends, d, q, v):
 
 @kernel
 def note_extremes(model, state, work, v):
-    """Keep the panels' maxima so far: slope of an end, spin divided by the lowest frequency."""
+    """Raise the panels' maxima so far: slope of an end [rad], spin divided by the lowest frequency."""
     panels, extremes = model.panels, state.extremes
     even, odd = panels.first[BENDING_EVEN], panels.first[BENDING_ODD]
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:
-            # At one end or the other, the even and the odd part add up.
+            # The even and the odd part add up at one of the two ends.
             ends = work.panels[body.panel].ends
             slope = abs(ends[BENDING_EVEN, 1, LAST]) + abs(ends[BENDING_ODD, 1, LAST])
             lowest = min(panels.frequency[body.design, even], panels.frequency[body.design, odd])
@@ -176,7 +175,7 @@ def note_extremes(model, state, work, v):
 
 @kernel
 def commit_step(model, state, work, tables, level, h):
-    """Move the workspace's coordinates to the end of the solved step."""
+    """Advance the workspace's coordinates and velocities to the end of the solved step."""
     for b in range(model.bodies.size):
         body, frame, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
@@ -186,8 +185,7 @@ def commit_step(model, state, work, tables, level, h):
             end = begin + model.panels.frequency.shape[1]
             q, v = work.q[begin:end], work.v[begin:end]
             power = move_panel(model.panels, panel, tables.ends[body.design, level], body.design, q, v)
-            # Between the ends of a step its modes may vibrate several times: their damping takes its mean power, of
-            # which the ends are samples.
+            # Modes may vibrate several times in a step: their damping takes its mean power, which the ends sample.
             mean = 0.5 * (state.damping_power[body.panel] + power)
             work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * mean
             work.damping_power[body.panel] = power
@@ -196,7 +194,7 @@ def commit_step(model, state, work, tables, level, h):
 
 @kernel
 def keep_loads(state, work):
-    """Keep the course of the loads over the step, and the power of damping at its end."""
+    """Copy the loads and foreshortening forces at the stages, and the damping power at the end, to the state."""
     for k in range(work.loads.size):
         store4(state.course[k], 0, load4(work.loads[k].stage, 0))
     for p in range(work.panels.size):

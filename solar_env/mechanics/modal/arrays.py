@@ -1,8 +1,8 @@
-"""Arrays of a mechanism of rigid bodies and modal panels: constants, state, scratch. All quantities in SI units.
+"""Arrays of a mechanism of rigid bodies and modal panels: constants, state, scratch. All quantities are in SI units.
 
-Coordinates of a body are centre of mass, angle, then for a panel its amplitudes by group of modes. Motion at the stages
-of a step is scratch, whose last axes of LANES are the stages; motion at its start belongs to the state, where every
-step leaves the motion at its end.
+A body's coordinates are its centre of mass, its angle and, for a panel, its amplitudes by mode group. Motion at the
+stages of a step is scratch, with stages on last axes of length LANES. Motion at the start of a step belongs to the
+state, to which every step writes the motion at its end.
 """
 
 from typing import NamedTuple
@@ -42,32 +42,32 @@ body_type = record(
     ]
 )
 
-# Where a joint attaches: a point of a body's frame, from the centre of mass and undeformed.
+# Attachment of a joint: a point of the undeformed body, in its frame from the centre of mass; 1 is a panel's far end.
 attachment_type = record([("body", np.int64), ("end", np.int64), ("x", np.float64), ("y", np.float64)])
 
-# Further columns of a joint's motion, behind the columns of `arrays.columns`.
+# Further columns of a joint's motion, after the columns of `arrays.columns`.
 VELOCITY_X, VELOCITY_Y, LEVER, NORMAL_X, NORMAL_Y, DEPTH, DEPTH_RATE, SLIP, SLIDING_SPEED = range(
     SHARED_COLUMNS, SHARED_COLUMNS + 9
 )
 MOTION_COLUMNS = SHARED_COLUMNS + 9
 
-# Loads in order: each joint's torque on its angle, without the motor's and the loops'; each cable loop's torque on its
-# outer joint; each loop's pull on its wheels' centres; each joint's normal and tangential contact force, or the two
-# components of an ideal joint's reaction on its outboard body.
+# Order of the loads: each joint's torque on its angle, without motor and cable loops; each cable loop's torque on its
+# outer joint; each loop's pull on its wheels' centres; each joint's two force components, normal and tangential for a
+# contact, x and y for an ideal joint's reaction on its outboard body.
 JOINT_LOADS, CABLE_LOADS = 3, 2
-# Kinds of unknown; the forces are last, and of them the reactions.
+# Kinds of unknown: torques, then forces, with reactions last.
 TORQUE_ROW, CABLE_ROW, PULL_ROW, NORMAL_ROW, TANGENTIAL_ROW, REACTION_X_ROW, REACTION_Y_ROW = range(7)
 
-# Columns of a cable loop's motion: mismatch of the wheels' angles, rate of the inner wheel's, force at the chord's
-# outer end per unit moment on the chord, and the chord's length. The latter are zero without a chord: where the body
-# between the joints is rigid and the loop does not pull.
+# Columns of a cable loop's motion: mismatch of the wheels' angles, rate of the inner wheel's angle, force (x, y) at the
+# chord's outer end per unit moment on the chord, and the chord's length. The last three are zero without a chord: where
+# the body between the joints is rigid and the loop does not pull.
 STRETCH, WHEEL_RATE, ACROSS_X, ACROSS_Y, LENGTH = range(5)
 CABLE_COLUMNS = 5
-# Most attachments that a load works on: a joint's on two, a cable loop's on four.
+# Greatest number of attachments that a load acts on: two for a joint, four for a cable loop.
 FACES = 4
 
 
-# Where an attachment is at the present state.
+# Position and direction of an attachment at the present state.
 placement_type = record(
     [
         ("local", np.float64, 2),  # from the centre of mass in the body's frame
@@ -83,7 +83,7 @@ class ModalModel(NamedTuple):
 
     bodies: NDArray[np.void]
     attachments: NDArray[np.void]
-    joints: NDArray[np.void]  # rows of `arrays.model.joint_type`; inboard and outboard count attachments
+    joints: NDArray[np.void]  # rows of `arrays.model.joint_type`; inboard and outboard are attachment indices
     cables: NDArray[np.void]
     folded_angle: Array  # (joints,) difference of the bodies' angles at joint angle zero
     gravity: Array  # (2,)
@@ -93,19 +93,19 @@ class ModalModel(NamedTuple):
 
 
 class ModalState(NamedTuple):
-    """Everything that changes; copying these arrays copies the simulation, mid-contact included."""
+    """Arrays that change in a run; copying them copies the simulation, even in the middle of a contact."""
 
     q: Array  # (n,) coordinates
     v: Array  # (n,) velocities
-    course: Array  # (loads, LANES) loads at the stages of the last step, of which the last is its end
+    course: Array  # (loads, LANES) loads at the stages of the last step; the last stage is its end
     coupling: Array  # (panels, GROUPS, LOW, LANES) modal forces of foreshortening at the stages of the last step
-    damping_power: Array  # (panels,) [W] that the modes' damping takes at the end of the last step
+    damping_power: Array  # (panels,) power that modal damping dissipates at the end of the last step [W]
     turns: Array  # (bodies, 2) cosine and sine of the angle
     placements: NDArray[np.void]  # (attachments,) rows of `placement_type`
     motion: Array  # (joints, MOTION_COLUMNS)
     cable_motion: Array  # (cables, CABLE_COLUMNS)
     views: Array  # (joints, 6) rows of `JointView`
-    extremes: Array  # (2,) greatest slope of a panel's end [rad] and spin per lowest frequency, of all steps
+    extremes: Array  # (2,) maxima so far: slope of a panel's end [rad], spin divided by lowest frequency
     integrals: Array
     joints: NDArray[np.void]
     wear_journal: Array  # (joints, bins)
@@ -113,7 +113,7 @@ class ModalState(NamedTuple):
     clock: NDArray[np.void]  # (1,)
 
 
-# Scratch by body, attachment, joint, cable loop and unknown.
+# Scratch records for each body, attachment, joint, cable loop, load and unknown.
 body_scratch = record(
     [
         ("place", np.float64, (3, LANES)),  # centre of mass and angle
@@ -134,9 +134,9 @@ attachment_scratch = record(
 joint_scratch = record(
     [
         ("motion", np.float64, (MOTION_COLUMNS, LANES)),
-        ("angle_by_torque", np.float64),  # greatest change over a step [rad/(N m)]
-        ("arcs", np.float64, (2, 2)),  # of journal and bearing that have slid in the step: middle and half [rad]
-        ("tried", np.float64, (2, LANES)),  # latest sliding speeds in the iteration: negative, positive
+        ("angle_by_torque", np.float64),  # greatest angle change in a step per unit torque [rad/(N m)]
+        ("arcs", np.float64, (2, 2)),  # slid in the step on journal and on bearing: middle and half angle [rad]
+        ("tried", np.float64, (2, LANES)),  # latest negative and latest positive sliding speed in the iteration
     ]
 )
 cable_scratch = record([("motion", np.float64, (CABLE_COLUMNS, LANES))])
@@ -144,50 +144,51 @@ load_scratch = record(
     [
         ("stage", np.float64, LANES),
         ("tolerance", np.float64),
-        # Value by the load's law, and its slopes by the motion that the load works on; friction's slope by the normal
-        # force, which is the load before.
+        # Value of the load's law; its slopes by the motion on which the load does work, and by this motion's rate;
+        # slope of friction by the normal force, which is the load before.
         ("law", np.float64, LANES),
         ("by_value", np.float64, LANES),
         ("by_rate", np.float64, LANES),
         ("by_normal", np.float64, LANES),
-        ("piece", np.float64, LANES),  # piece of its law in which the load is
-        ("give", np.float64, LANES),  # [m/N] of a contact's bodies to its normal force, at a stage by the force there
-        ("unknown", np.int64),  # whether it is an unknown; else it follows the iterations
+        ("piece", np.float64, LANES),  # branch of its law, by stage
+        ("give", np.float64, LANES),  # yielding of a contact's bodies per normal force at the same stage [m/N]
+        ("unknown", np.int64),  # whether it is an unknown; otherwise every iteration evaluates its law
     ]
 )
 unknown_scratch = record(
     [
         ("kind", np.int64),
         ("owner", np.int64),  # joint or cable loop
-        ("number", np.int64),  # among the loads
-        ("first", np.int64),  # unknown of its block in Newton's matrix, and the one behind its last
+        ("number", np.int64),  # index among the loads
+        ("first", np.int64),  # first unknown of its block in Newton's matrix; `end` follows the last
         ("end", np.int64),
         ("faces", np.int64),  # number of attachments
-        # Outboard and inboard; of a cable loop both with the wheels, then both ends of its chord.
+        # Joint: outboard, inboard. Cable loop: outer wheel, inner wheel, both ends of its chord.
         ("attachment", np.int64, FACES),
-        # A unit of it on these bodies, in their frames: force, torque, moment about the centre of mass.
+        # Unit load on these bodies in their frames: force (along, across), torque, moment about the centre of mass.
         ("load", np.float64, (FACES, 4)),
-        # The loads that read off the motion it works on: the same, except for a loop that does not conserve energy.
+        # Unit load that reads off the motion on which the unknown works: `load`, except in loops that lose or gain
+        # energy.
         ("reading", np.float64, (FACES, 4)),
     ]
 )
 
-# Motion that an unknown works on by a unit of another, COLUMNS for the load at each stage.
+# Motion on which an unknown does work, per unit of another unknown; COLUMNS for the load at each stage.
 mobility_type = record([("response", np.float64, BY_LOAD)])
 
 step_scratch = record(
     [
-        ("unknowns", np.int64),  # number
+        ("unknowns", np.int64),  # number of unknowns
         ("velocity_tolerance", np.float64),  # [m/s]
-        ("foreseen", np.float64, (STAGES, LANES)),  # weight of each load of the last step at each stage of this one
+        ("foreseen", np.float64, (STAGES, LANES)),  # weights of last step's loads at this step's stages
     ]
 )
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays; nothing in them outlives a call. J joints, C cable loops, R unknowns.
+    """Scratch arrays, whose contents do not outlive a call. Shapes name J joints, C cable loops and R unknowns.
 
-    Rows of records have the same layout for every mechanism, which spares the kernels the shapes of a dozen arrays.
+    Records have the same layout for every mechanism, so that kernels handle fewer array shapes.
     """
 
     trial: NDArray[np.void]  # (1,) and (joints,): see `arrays.trial`
@@ -199,27 +200,27 @@ class Workspace(NamedTuple):
     panels: NDArray[np.void]
     loads: NDArray[np.void]  # (3 J + 2 C,)
     unknowns: NDArray[np.void]  # (R,)
-    rigid: Array  # (BY_LOAD,) motion of a unit mass by a unit load, as the columns of the mobility
+    rigid: Array  # (BY_LOAD,) motion of a unit mass per unit load, in the layout of `mobility_type`
     mobility: NDArray[np.void]  # (R, R) rows of `mobility_type`
-    matrix: Array  # (STAGES R, R, LANES) by column: load at a stage, row
-    inverses: Array  # (R, STAGES, LANES) of the unknowns' own blocks
+    matrix: Array  # (STAGES R, R, LANES) Newton's matrix by column: load at a stage, row
+    inverses: Array  # (R, STAGES, LANES) inverses of the diagonal blocks
     residual: Array  # (R, LANES)
     correction: Array  # (R, LANES)
     step: NDArray[np.void]  # (1,)
-    tables: Tables  # of an off-table step size
-    # At the end of a step.
+    tables: Tables  # response tables for a single step size that is not tabled
+    # Values at the end of a step.
     q: Array
     v: Array
     integrals: Array
     damping_power: Array
-    # Of a sample.
+    # Values of a sample.
     energies: Array
     sample: Array  # (J, LOAD_COLUMNS)
     sample_load: Array  # (3 J + 2 C,)
 
 
 def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
-    """Allocate scratch arrays for a mechanism."""
+    """Allocate the scratch arrays, filled with zeros, for a mechanism."""
     joints, cables, zeros = model.joints.size, model.cables.size, np.zeros
     loads = JOINT_LOADS * joints + CABLE_LOADS * cables
     return Workspace(

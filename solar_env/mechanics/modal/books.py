@@ -1,6 +1,6 @@
-"""Books of an accepted step: integrals and force maxima; energies that are stored; and samples inside a step.
+"""Time integrals, force maxima and stored energies of an accepted step, and samples inside a step.
 
-A sample follows the cubics through the coordinates, and the loads along their collocation polynomial.
+A sample interpolates coordinates by cubics, and loads by the polynomials through their values at the stages.
 """
 
 import math
@@ -42,16 +42,16 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, square_roots, sum_lanes, where_less
 from solar_env.mechanics.records.history import note_force
 
-# Step [s] up to which velocities hardly change, while rounding shows in quotients of differences.
+# Greatest short step [s], in which velocities hardly change, but rounding shows in difference quotients.
 _SHORT = 1e-6
-_NO_TORQUE = 1e-12  # N m, torque of a stop that has let go of its joint
-# Weights of the stages in an integral over the step, in lanes.
+_NO_TORQUE = 1e-12  # N m, greatest torque of a stop that has let go of its joint
+# Weights of the stages in an integral over the step, in vector lanes.
 _WEIGHTS = np.array([*WEIGHTS, 0.0])
 
 
 @kernel
 def note_arcs(work, joint, scratch, slid):
-    """Keep the arcs of both bodies along which a contact slides in a step, by the work's mean and variance."""
+    """Store the arcs of both bodies that a contact slid along, by the work-weighted mean and variance of its angle."""
     motion, total = scratch.motion, sum_lanes(slid)
     if total > 0.0:
         nx, ny, share = load4(motion[NORMAL_X], 0), load4(motion[NORMAL_Y], 0), slid * (1.0 / total)
@@ -68,9 +68,9 @@ def note_arcs(work, joint, scratch, slid):
 
 @kernel
 def add_integrals(model, state, work, h):
-    """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages.
+    """Add a step's contributions to the joints' integrals in the workspace, from loads and motion at the stages.
 
-    A stop that lets go of its joint dissipates all that it had stored, whatever its law says between the stages.
+    A stop that lets go of its joint dissipates all its stored energy, whatever its torque does between the stages.
     """
     integrals, weights = work.integrals, h * load4(_WEIGHTS, 0)
     for j in range(model.joints.size):
@@ -110,7 +110,7 @@ def add_integrals(model, state, work, h):
 
 @kernel
 def note_peaks(model, state, work, h, share):
-    """Raise the force maxima to the step's peaks: of its stages, and of the parabola through stages and start."""
+    """Raise the force maxima to the step's contact force peaks, at stages or at the top of a parabola through them."""
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
         joint_state, force = state.joints[j], force_of(model, j)
@@ -132,7 +132,7 @@ def note_peaks(model, state, work, h, share):
 
 @kernel
 def panel_energies(model, body, q, v, work, energies):
-    """Add kinetic and strain energy of a panel's amplitudes, with which its scratch has been filled last."""
+    """Add the kinetic and strain energy of a panel's amplitudes; the panel's scratch must hold the same motion."""
     panels, d, first, panel = model.panels, body.design, body.offset + 3, work.panels[body.panel]
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
@@ -145,7 +145,7 @@ def panel_energies(model, body, q, v, work, energies):
 
 @kernel(inlined=False)
 def stored_energies(model, state, q, v, work, energies):
-    """Fill the stored energies [J] of the configuration that was looked at last."""
+    """Fill the stored energies [J] of the configuration for which `look_at` was called last."""
     energies[:] = 0.0
     for b in range(model.bodies.size):
         body = model.bodies[b]
@@ -169,7 +169,7 @@ def stored_energies(model, state, q, v, work, energies):
 
 @kernel
 def cubic(share, x0, r0, x1, r1):
-    """Return the cubic through values and rates (times the step) at both ends, at a share of the step."""
+    """Return the cubic at a fraction `share` of the step, through values and rates (times the step) at both ends."""
     rest = 1.0 - share
     return rest * rest * ((1.0 + 2.0 * share) * x0 + share * r0) + share * share * (
         (3.0 - 2.0 * share) * x1 - rest * r1
@@ -178,7 +178,7 @@ def cubic(share, x0, r0, x1, r1):
 
 @kernel(inlined=False)
 def fill_load_table(model, state, work, loads, table):
-    """Fill the (joints, LOAD_COLUMNS) table from the motion looked at last and `loads`, ordered as a state's."""
+    """Fill the (joints, LOAD_COLUMNS) table from `look_at`'s last motion and `loads`, ordered as in `state.course`."""
     for j in range(model.joints.size):
         joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]
@@ -200,7 +200,7 @@ def fill_load_table(model, state, work, loads, table):
 
 @kernel
 def course_at(stage, share):
-    """Return the polynomial through values at the stages of a step, at a share of the step."""
+    """Return the polynomial through values at the stages of a step, at a fraction `share` of the step."""
     total = 0.0
     for k in range(STAGES):
         value = 0.0
@@ -212,10 +212,9 @@ def course_at(stage, share):
 
 @kernel
 def sample_modal(model, state, settings, work, recorder, h, share):
-    """Store one row at a share of the step from the present state to `work.q`.
+    """Store one row of samples at a fraction `share` of the step from the present state to `work.q`.
 
-    Velocities of frames are the rates of their cubics. Velocities of modes, which the step may not resolve, and
-    integrals go along a line.
+    Velocities of frames are rates of the cubics. Velocities of modes (not always resolved) and integrals vary linearly.
     """
     n, rest = state.q.size, 1.0 - share
     row = recorder.samples[recorder.filled[0]]
@@ -234,7 +233,7 @@ def sample_modal(model, state, settings, work, recorder, h, share):
     for j in range(model.joints.size):
         joint, motion, k = model.joints[j], work.joints[j].motion, force_of(model, j)
         if joint.kind == m.CLEARANCE:
-            # A polynomial knows neither the moment at which the surfaces part nor the one at which sliding turns round.
+            # A polynomial shows neither the moment at which surfaces part nor the moment at which sliding reverses.
             normal = max(work.sample_load[k], 0.0) if motion[DEPTH, 0] > 0.0 else 0.0
             slip, _ = friction_share(joint, motion[SLIDING_SPEED, 0])
             work.sample_load[k], work.sample_load[k + 1] = normal, -joint.friction_coefficient * slip * normal

@@ -1,4 +1,4 @@
-"""Compile a described mechanism of rigid bodies and modal panels into its arrays."""
+"""Compilation of a mechanism of rigid bodies and modal panels into arrays."""
 
 import itertools
 import math
@@ -44,25 +44,25 @@ from solar_env.mechanics.modal.tables import (
     filled_tables,
 )
 
-# Blocks of pseudo-modes that stand for the modes that are left out, see `beam_modes`.
+# Number of blocks of pseudo-modes, which stand for the modes that are left out, see `beam_modes`.
 _BLOCKS = 2
-# Frequency times step up to which damped modes are exact. The reactions of ideal joints follow modes at once, and grow
-# unstable where these pass at arbitrary phases.
+# Greatest frequency times step of damped modes with exact response. Reactions of ideal joints follow modes at once, and
+# grow unstable where modes pass at arbitrary phases.
 _EXACT, _EXACT_BESIDE_REACTIONS = 16.0, 4.0
 
 _Design = tuple[float, float, float, float, float, int]
 
 
 def design(panel: ModalPanel) -> _Design:
-    """Return the parameters that two panels of one design have in common."""
+    """Return a panel's design: all parameters that determine its modes and their responses."""
     stiffness = (panel.axial_stiffness, panel.bending_stiffness)
     return (panel.length, panel.mass, *stiffness, panel.damping, panel.modes)
 
 
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
-    """Return the (2, LOW, LOW, FORMS) quadratic forms by bending groups; products of another parity vanish."""
+    """Return the (2, LOW, LOW, FORMS) quadratic forms by bending group; products of the other parity vanish."""
     forms = np.zeros((2, LOW, LOW, FORMS))
-    # The lowest bending modes are even and odd by turns; then comes the rest of the end values.
+    # The lowest bending modes are even and odd by turns; then come the end values of the other modes.
     rest = range(coupled, coupled + VALUES), range(coupled + VALUES, coupled + 2 * VALUES)
     groups = [[*range(group, coupled, 2), *rest[group]] for group in range(2)]
     odd, even = list(project[::2]), list(project[1::2])
@@ -82,9 +82,9 @@ def _halves(number: int) -> tuple[int, int]:
 
 
 def _panel_constants(chosen: _Design) -> Panels:
-    """Return the constants of one design."""
+    """Return the `Panels` constants of one panel design."""
     length, mass, axial_stiffness, bending_stiffness, damping, modes = chosen
-    axial = (modes + 1) // 2  # axial modes that are kept beside the bending `modes`
+    axial = (modes + 1) // 2  # number of axial modes beside the bending `modes`
     coupled, coupled_axial = min(BENDING_MODES, modes), min(AXIAL_MODES, axial)
     frequencies, rows = [], []
     for family in (
@@ -111,9 +111,9 @@ def _panel_constants(chosen: _Design) -> Panels:
 
 @lru_cache(maxsize=16)
 def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, Tables]:
-    """Return the constants and tables of panels of some designs; they are read only and shared by all simulations.
+    """Return constants and response tables of panel designs, which all simulations share and only read.
 
-    A damped mode is exact up to a frequency times step of `exact`.
+    The response of a damped mode is exact up to a frequency times step of `exact`.
     """
     parts = [_panel_constants(chosen) for chosen in designs]
     joined = {
@@ -125,7 +125,7 @@ def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, 
 
 
 def rigid_stand_in(body: AnyBody) -> Body:
-    """Return a rigid body of the same mass, place and motion.
+    """Return a rigid body with the mass, position and motion of a given body.
 
     Raises:
         ValueError: if the body is neither rigid nor a modal panel.
@@ -145,8 +145,8 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     """Compile a mechanism of rigid bodies and modal panels into its constant model and its initial state.
 
     Raises:
-        ValueError: if a part is there that the modal method does not take, if a joint attaches to a panel elsewhere
-            than at an end, or if panels differ in their number of modes.
+        ValueError: if the mechanism has a part that the modal method does not take, if a joint attaches to a panel
+            elsewhere than at an end, or if panels differ in their number of modes.
     """
     for name in ("drives", "loads"):
         if getattr(mechanism, name):
@@ -164,9 +164,9 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
             "one shape: give every ModalPanel the greatest of these numbers"
         )
     designs = tuple(dict.fromkeys(design(panel) for panel in flexible))
-    # As many designs as panels, alike or not: lanes of one structure may differ in that.
+    # Arrays have as many designs as panels, even if panels are alike: mechanisms of one batch may differ in that.
     designs += designs[:1] * (len(flexible) - len(designs))
-    # Arrays need a design even where no body has one.
+    # Arrays need a design even without any panel.
     exact = _EXACT_BESIDE_REACTIONS if (rigid.joints["kind"] == IDEAL).any() else _EXACT
     panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),), exact)
     bodies, q, v = _bodies(described, designs, panels.frequency.shape[1])
@@ -207,7 +207,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
 def _bodies(
     described: list[AnyBody], designs: tuple[_Design, ...], amplitudes: int
 ) -> tuple[NDArray[np.void], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the rows of the bodies, coordinates and velocities."""
+    """Return the bodies' records (`body_type`), initial coordinates and initial velocities."""
     offsets = [0, *itertools.accumulate(3 + amplitudes * isinstance(body, ModalPanel) for body in described)]
     bodies = np.zeros(len(described), dtype=body_type)
     q, v = np.zeros(offsets[-1]), np.zeros(offsets[-1])
@@ -232,7 +232,7 @@ def _bodies(
 
 
 def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.void]:
-    """Return the joints' attachments (place from the centre of mass, end of a panel), and enter them in `joints`."""
+    """Return the joints' attachments (`attachment_type`), two for each joint, and enter their indices in `joints`."""
     attachments = np.zeros(2 * len(mechanism.joints), dtype=attachment_type)
     names = [*(body.name for body in mechanism.bodies), GROUND]
     for k, joint in enumerate(mechanism.joints):
@@ -252,7 +252,7 @@ def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.v
 
 
 def _folded_angle(mechanism: Mechanism, k: int) -> float:
-    """Return the bodies' angle difference at joint angle 0, such that the initial angle is within pi of its middle."""
+    """Return the bodies' angle difference at joint angle 0; full turns put the initial angle within pi of `middle`."""
     joint = mechanism.joints[k]
     angles = {GROUND: 0.0, **{body.name: body.angle for body in mechanism.bodies}}
     angle = joint.sign * (angles[joint.outboard] - angles[joint.inboard] - joint.folded_angle)

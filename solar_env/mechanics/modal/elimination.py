@@ -1,24 +1,24 @@
-"""Gaussian elimination of Newton's matrix by unknowns: blocks of three stages, whose rows are in lanes.
+"""Gaussian elimination of Newton's matrix in 3 x 3 blocks, each for one unknown load at the three stages.
 
-Columns are loads at a stage: column STAGES * c + k of load c at stage k. No pivots are sought: the symmetric part of
-the matrix is positive definite.
+The rows of a block are lanes of a vector. Column STAGES * c + k belongs to load c at stage k. No pivots are needed: the
+symmetric part of the matrix is positive definite.
 """
 
 from solar_env.mechanics.modal.tables import STAGES
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, store4
 
-# Rows are scaled to diagonals of the order of one: a determinant of less than this is rounding.
+# Least determinant of a diagonal block. Rows are scaled to diagonals of about one: less than this is rounding.
 _SINGULAR = 1e-30
 
 
 @kernel
 def invert(matrix, q, inverse):
-    """Fill the inverse (STAGES, LANES), by column, of the block of unknown `q` by itself; False if it is singular."""
+    """Fill `inverse` (STAGES, LANES), by column, of unknown `q`'s diagonal block; return False if it is singular."""
     first, second, third = matrix[STAGES * q, q], matrix[STAGES * q + 1, q], matrix[STAGES * q + 2, q]
     a1, a2, a3, b1, b2, b3 = first[0], first[1], first[2], second[0], second[1], second[2]
     c1, c2, c3 = third[0], third[1], third[2]
-    # Rows of the inverse are products of two columns each, divided by the determinant.
+    # Rows of the inverse are cross products of two columns, divided by the determinant.
     x1, x2, x3 = b2 * c3 - b3 * c2, b3 * c1 - b1 * c3, b1 * c2 - b2 * c1
     determinant = a1 * x1 + a2 * x2 + a3 * x3
     if not determinant > _SINGULAR:
@@ -36,12 +36,12 @@ def invert(matrix, q, inverse):
 
 @kernel
 def eliminate(matrix, inverses, first, end):
-    """Factor the block of unknowns `first` to `end` of the matrix in place; False if it is not positive definite.
+    """Factor the matrix of unknowns `first` to `end` in place; return False if it is not positive definite.
 
     Args:
-        matrix: (STAGES R, R, LANES), by column.
-        inverses: (R, STAGES, LANES) of the unknowns' own blocks; written.
-        first, end: of the block.
+        matrix: (STAGES R, R, LANES) of R unknowns, by column.
+        inverses: (R, STAGES, LANES) inverses of the diagonal blocks; written.
+        first, end: first unknown, and the unknown after the last.
     """
     for q in range(first, end):
         inverse, number = inverses[q], STAGES * q
@@ -67,7 +67,7 @@ def eliminate(matrix, inverses, first, end):
 
 @kernel
 def substitute(matrix, inverses, first, end, residual, correction):
-    """Solve for the `correction` (R, LANES) of a block by its factors; the `residual` (R, LANES) is overwritten."""
+    """Solve for the `correction` (R, LANES) of unknowns `first` to `end`; the `residual` (R, LANES) is overwritten."""
     for q in range(first, end):
         for i in range(q + 1, end):
             subtract_product(matrix, q, i, residual[q], residual[i])
@@ -82,7 +82,7 @@ def substitute(matrix, inverses, first, end, residual, correction):
 
 @kernel
 def subtract_product(matrix, q, i, values, target):
-    """Subtract the block of rows `i` and columns `q` times values at the stages from a `target` (LANES,)."""
+    """Subtract block (`i`, `q`) of the matrix, times the `values` at the stages, from a `target` (LANES,)."""
     total = load4(target, 0)
     for k in range(STAGES):
         total = total - load4(matrix[STAGES * q + k, i], 0) * values[k]

@@ -1,7 +1,7 @@
-"""Motion of the ends of a panel by groups of modes: over a step, free and under the loads at its stages; in a pose.
+"""Motion of a panel's ends as a sum over mode groups: at the stages of a step, or in a pose (one configuration).
 
-With it goes foreshortening, whose forms and their source are in `foreshortening`: bending shortens a panel's axis, and
-tension acts on its bending. The stages of a step are lanes of vectors; in a pose all lanes are alike.
+Foreshortening is included: bending shortens a panel's axis, and tension acts on bending. Its quadratic forms and their
+source are in `foreshortening`. Vectors have one lane for each stage of a step; in a pose all lanes are equal.
 """
 
 from solar_env.mechanics.modal.tables import (
@@ -40,10 +40,10 @@ from solar_env.mechanics.numerics.vectors import (
 
 @kernel
 def free_ends(panels, panel, tables, d, level, q, v):
-    """Compute the free motion, over one step, of the ends and coupled modes of a panel of design `d`."""
+    """Compute the load-free motion, at a step's stages, of the ends and coupled modes of a panel of design `d`."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
-        # Slices: indices that cannot be negative are spared a test.
+        # Slices avoid tests for negative indices.
         moves, values, rates = tables.free[d, level, begin:end], q[begin:end], v[begin:end]
         one, other = panels.shapes[d, 0, begin:end], panels.shapes[d, 1, begin:end]
         first, second = splat8(0.0), splat8(0.0)
@@ -62,7 +62,7 @@ def free_ends(panels, panel, tables, d, level, q, v):
 
 @kernel
 def forced_ends(panel, response, groups):
-    """Compute the motion of a panel's ends at the stages in the first `groups` groups: free, and by the loads there."""
+    """Compute the ends' motion at the stages for a panel's first `groups` mode groups: free motion plus response."""
     for group in range(groups):
         for i in range(values_of(group)):
             total = load8(panel.free[group, i], 0)
@@ -74,7 +74,7 @@ def forced_ends(panel, response, groups):
 
 @kernel
 def add_modal_forces(panels, panel, forced, d):
-    """Add the motion of a panel's ends by the modal forces of foreshortening."""
+    """Add the response to foreshortening's modal forces to the motion of a panel's ends."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k, by_load, gain = panels.first[group] + r, forced[group, r], splat8(0.0)
@@ -86,7 +86,7 @@ def add_modal_forces(panels, panel, forced, d):
 
 @kernel
 def foreshorten(forms, panel):
-    """Fill the values, rates and gradients of the quadratic forms from the motion of the coupled coordinates."""
+    """Fill values, rates and gradients of foreshortening's quadratic forms from the coupled coordinates' motion."""
     value0 = value1 = value2 = value3 = value4 = splat4(0.0)
     rate0 = rate1 = rate2 = rate3 = rate4 = splat4(0.0)
     for group in range(2):
@@ -122,7 +122,7 @@ def foreshorten(forms, panel):
 
 @kernel
 def shorten_ends(panel):
-    """Add foreshortening to the axial motion of the ends of a panel."""
+    """Add foreshortening to the axial motion of a panel's ends."""
     odd, even = panel.ends[AXIAL_ODD, 0], panel.ends[AXIAL_EVEN, 0]
     store8(odd, 0, load8(odd, 0) + load8(panel.shortening[ODD_ENDS], 0))
     store8(even, 0, load8(even, 0) + load8(panel.shortening[EVEN_ENDS], 0))
@@ -130,13 +130,13 @@ def shorten_ends(panel):
 
 @kernel
 def in_all_lanes(value, rate):
-    """Return the vector of a value and a rate that are the same at all stages."""
+    """Return a vector that holds the same value, and the same rate, for all stages."""
     return joined(splat4(value), splat4(rate))
 
 
 @kernel
 def sum_ends(panels, panel, d, q, v):
-    """Compute the motion of the ends of a panel in a pose, without foreshortening."""
+    """Compute the motion of a panel's ends from amplitudes `q` and their rates `v`, without foreshortening."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         values, rates = q[begin:end], v[begin:end]
@@ -150,7 +150,7 @@ def sum_ends(panels, panel, d, q, v):
 
 @kernel
 def take_rest(panels, panel, d, group, r, moved):
-    """Subtract the motion of a coupled mode of a group from the rest of the end values."""
+    """Subtract coupled mode `r`, at amplitude `moved`, from a group's end values: the other modes' part remains."""
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]
         store8(rest, 0, load8(rest, 0) - panels.shapes[d, i, panels.first[group] + r] * moved)
@@ -158,7 +158,7 @@ def take_rest(panels, panel, d, group, r, moved):
 
 @kernel
 def shorten_pose(panels, panel, d, q, v):
-    """Add foreshortening to the motion of the ends of a panel in a pose."""
+    """Add foreshortening to the motion of a panel's ends at amplitudes `q` and their rates `v`."""
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):
@@ -174,7 +174,7 @@ def shorten_pose(panels, panel, d, q, v):
 
 @kernel
 def move_low(panels, panel, forced, d, group):
-    """Compute the motion of a group's coupled coordinates at the stages, under loads and present modal forces."""
+    """Compute the motion of a group's coupled coordinates at the stages, under end loads and present modal forces."""
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
         for i in range(VALUES):
@@ -190,20 +190,20 @@ def move_low(panels, panel, forced, d, group):
             moved = moved + gain * force
             pushed = pushed + gain * panel.coupling[group, r, k]
         if bending:
-            # The ends have moved by the loads, not yet by the modal forces.
+            # The ends' motion includes the loads, but not yet the modal forces.
             take_rest(panels, panel, d, group, r, moved)
         store8(panel.low[group, r], 0, moved + pushed)
 
 
 @kernel
 def axial_form(group, r):
-    """Return the form that projects foreshortening on coupled axial mode `r` of a group."""
+    """Return the index of the quadratic form that projects foreshortening on coupled axial mode `r` of a group."""
     return ODD_FIRST + r if group == AXIAL_ODD else EVEN_FIRST
 
 
 @kernel
 def push_axial(panels, panel, d):
-    """Compute the modal forces of foreshortening on the axial modes of a panel."""
+    """Compute the modal forces with which foreshortening acts on a panel's axial modes."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency = panels.frequency[d, panels.first[group] + r]
@@ -214,7 +214,7 @@ def push_axial(panels, panel, d):
 
 @kernel
 def push_bending(panels, panel, d):
-    """Compute the forces of the tension on the bending coordinates of a panel."""
+    """Compute the modal forces with which tension acts on a panel's bending coordinates."""
     for f in range(FORMS):
         store4(panel.tension[f], 0, splat4(0.0))
     store4(panel.tension[EVEN_ENDS], 0, load4(panel.load[AXIAL_EVEN, 0], 0))
@@ -246,7 +246,7 @@ def push_bending(panels, panel, d):
 
 @kernel
 def bend(panels, panel, forced, d):
-    """Fill foreshortening at the stages; the ends must have moved by their loads."""
+    """Compute foreshortening at the stages; the ends' motion must already include the loads."""
     for group in range(AXIAL_EVEN):
         move_low(panels, panel, forced, d, group)
     foreshorten(panels.forms[d], panel)
@@ -254,10 +254,9 @@ def bend(panels, panel, forced, d):
 
 @kernel
 def couple(panels, panel, forced, d):
-    """Compute the forces of foreshortening in a panel at the stages, axial ones first: they determine the tension.
+    """Compute foreshortening's modal forces in a panel at the stages: axial forces first, which determine the tension.
 
-    `bend` must have been called. The loads of the ends include the forces on the rest of the end values, which change
-    here.
+    `bend` must have been called. End loads change: they include foreshortening's forces on the other modes' end values.
     """
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):

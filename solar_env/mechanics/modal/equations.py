@@ -1,4 +1,7 @@
-"""Equations of the loads at the stages: torques, contact forces and reactions, each a row of Newton's matrix."""
+"""Equations of the loads at the stages: torques, contact forces and reactions, each with a row of Newton's matrix.
+
+A branch of a load's law is a range of motion with one smooth formula, such as contact or no contact.
+"""
 
 import numpy as np
 
@@ -22,16 +25,16 @@ from solar_env.mechanics.modal.tables import COLUMNS, END_RATE, LANES, STAGES
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat4, store4, upper_half, where_less
 
-# One in the lane of a stage.
+# Unit vectors: one in the lane of a stage.
 _UNIT = np.array([[float(s == k) for s in range(LANES)] for k in range(STAGES)])
-# Least time [s] in which a gap of an ideal joint is closed; greatest speed of the closing, and its greatest change in a
-# step, both divided by the velocity tolerance: faster, it would be a blow, too short for any step.
+# Closing of a gap in an ideal joint: least time [s]; greatest speed, and greatest speed change in a step, both divided
+# by the velocity tolerance. A faster closing would be an impact, too short for any step.
 _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 
 @kernel
 def enter_piece(load, piece):
-    """Keep in which pieces of its law a load is at the stages; return 1 at stages where the piece changed, else 0."""
+    """Store the branches of a load's law at the stages; return 1 at stages where the branch changed, else 0."""
     before = load4(load.piece, 0)
     store4(load.piece, 0, piece)
     return where_less(piece, before, 1.0, where_less(before, piece, 1.0, 0.0))
@@ -39,9 +42,9 @@ def enter_piece(load, piece):
 
 @kernel
 def torque_laws(model, state, work):
-    """Fill torques of joints and cable loops and their slopes at the stages; return how many pieces changed.
+    """Fill torques of joints and cable loops, and their slopes, at the stages; return the number of changed branches.
 
-    A cable loop's law is smooth enough for Newton's iteration to pass its corner unseen.
+    The slackening of a cable loop is smooth enough for Newton's iteration and counts as no branch.
     """
     changed = splat4(0.0)
     for j in range(model.joints.size):
@@ -55,7 +58,7 @@ def torque_laws(model, state, work):
             changed = changed + enter_piece(load, piece)
     for c in range(model.cables.size):
         cable, load, motion = model.cables[c], work.loads[model.joints.size + c], work.cables[c].motion
-        # The torque works on minus the mismatch, a pull on minus the length.
+        # The torque does work on minus the mismatch, a pull on minus the length.
         if cable.wheel_radius == 0.0:
             torque, slope, _ = cable_torque(cable, load4(motion[STRETCH], 0))
             store4(load.law, 0, torque)
@@ -70,7 +73,7 @@ def torque_laws(model, state, work):
 
 @kernel
 def enter_row(work, r, load, diagonal):
-    """Enter a row of Newton's matrix: slopes of the unknown minus its law, by the unknowns of its block."""
+    """Fill row `r` of Newton's matrix: slopes of the unknown minus its law, by all unknowns of its block."""
     tangential = work.unknowns[r].kind == TANGENTIAL_ROW
     for c in range(work.unknowns[r].first, work.unknowns[r].end):
         moved, own = work.mobility[r, c].response, diagonal if c == r else 0.0
@@ -83,16 +86,16 @@ def enter_row(work, r, load, diagonal):
 
 @kernel
 def contact_law(joint, joint_state, scratch, normal, tangential):
-    """Fill forces and slopes of a contact's two loads at the stages; return 1 at stages where a piece changed."""
+    """Fill both forces of a contact, and their slopes, at the stages; return 1 at stages where a branch changed."""
     motion, tried, speed_zero = scratch.motion, scratch.tried, joint_state.impact_speed
     depth, rate, speed = load4(motion[DEPTH], 0), load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
     force, _, by_depth, by_rate = normal_force(joint, depth, rate, speed_zero)
-    # A contact that is stiffer than its bodies: its law is linearised at the depth that carries the load, for a
-    # small change of that depth changes the force by more than itself.
+    # A contact stiffer than its bodies has its law linearised at the depth that carries the load: a small change of
+    # depth changes the force so much that the bodies yield by more than the change.
     stage, nothing = load4(normal.stage, 0), splat4(0.0)
     carrying, slope, carried_by_rate = depth_under(joint, stage, rate, speed_zero, load4(normal.give, 0))
     store4(normal.law, 0, where_less(nothing, carrying, stage + slope * (depth - carrying), force))
-    # The motion that it works on is minus the depth.
+    # The normal force does work on minus the depth.
     store4(normal.by_value, 0, -where_less(nothing, carrying, slope, by_depth))
     store4(normal.by_rate, 0, -where_less(nothing, carrying, carried_by_rate, by_rate))
     share, by_slip = friction_share(joint, speed)
@@ -102,7 +105,7 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
     store4(tried[1], 0, forward)
     other = where_less(speed, nothing, forward, backward)
     before, _ = friction_share(joint, other)
-    # Where sliding has turned: between the two tries it was slower, and its friction changed by more than at either.
+    # Where sliding has reversed between two iterations, friction's slope is the secant: it differs from both slopes.
     by_slip = where_less(speed * other, nothing, (share - before) / (speed - other), by_slip)
     pressing, by_normal = where_less(nothing, stage, stage, nothing), -joint.friction_coefficient * share
     store4(tangential.by_normal, 0, by_normal)
@@ -116,7 +119,7 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
 
 @kernel
 def contact_laws(model, state, work, n):
-    """Fill the laws of all contacts among the unknowns; return how many of their pieces changed, by stage."""
+    """Fill forces and slopes of all contacts among the unknowns; return the number of changed branches by stage."""
     changed = splat4(0.0)
     for r in range(n):
         if work.unknowns[r].kind == NORMAL_ROW:
@@ -128,7 +131,7 @@ def contact_laws(model, state, work, n):
 
 @kernel
 def reaction_law(state, work, r, h):
-    """Fill the residuals of an ideal joint's reaction component: scaled relative velocities; and their slopes."""
+    """Fill the residuals of an ideal joint's reaction component, which are scaled relative velocities, and slopes."""
     j, kind, response, gain = work.unknowns[r].owner, work.unknowns[r].kind, work.mobility[r, r].response, 0.0
     for k in range(STAGES):
         gain += abs(response[COLUMNS * k + END_RATE])

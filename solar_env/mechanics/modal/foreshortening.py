@@ -1,13 +1,13 @@
 """Shortening of a bent panel along its axis, to second order in the bending coordinates.
 
-A beam that bends without stretching moves its points along the axis by u with u' = -w'^2 / 2, u free of its mean.
-Of u the lowest axial modes take their projections s_k = b^T K_k b / 2; the rest is felt at the ends alone, as
-b^T S_e b / 2. Its transpose is the tension's action on bending (J. C. Simo and L. Vu-Quoc, J. Sound Vib. 119 (1987)
-487, doi:10.1016/0022-460X(87)90410-X, on why it must not be left out).
+A beam that bends without stretching moves its points along the axis by u, with u' = -w'^2 / 2 and zero mean of u. The
+lowest axial modes take their projections s_k = b^T K_k b / 2 of u. The remainder of u acts at the ends alone, as b^T
+S_e b / 2. The transpose gives the tension's action on bending (J. C. Simo and L. Vu-Quoc, J. Sound Vib. 119 (1987) 487,
+doi:10.1016/0022-460X(87)90410-X, on why it must not be left out).
 
-The coordinates b are the amplitudes of the lowest bending modes and what all other modes add to deflection and slope of
-the ends, as one static shape each. Without these the series is slow: acceleration of the ends by foreshortening then
-errs as one divided by the number of modes (12, 24 modes: 8 and 2 % of the peak reaction in the array's second joint).
+The coordinates b are the amplitudes of the lowest bending modes, and what all other modes contribute to deflection and
+slope of the ends, each with a static shape. Without these shapes the ends' acceleration by foreshortening errs as one
+divided by the number of modes (12, 24 modes: 8 and 2 % of the peak reaction in the array's second joint).
 """
 
 import math
@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.bodies.beam_modes import slope_factor, wave_number
 
-# Bending and axial modes that enter. More change the forces after latching by less than one part in a thousand.
+# Numbers of bending and axial modes in foreshortening. More modes change the forces after latching by less than 0.1 %.
 BENDING_MODES = 4
 AXIAL_MODES = 3
-_NODES = 200  # of Gauss, for products of two slopes with at most seven waves each
-# Shapes of a free beam of unit length, mass and stiffness under a unit force and a unit moment at its first end, which
-# accelerate it, less its rigid motion.
+_NODES = 200  # Gauss nodes, for products of two slopes with at most seven waves each
+# Shapes of a free beam of unit length, mass and stiffness under a unit force and under a unit moment at its first end.
+# The loads accelerate the beam; its rigid motion is subtracted.
 _STATIC = (
     Polynomial([1.0 / 105.0, -11.0 / 210.0, 0.0, 1.0 / 6.0, -1.0 / 6.0, 1.0 / 20.0]),
     Polynomial([-11.0 / 210.0, 13.0 / 35.0, -1.0 / 2.0, 0.0, 1.0 / 4.0, -1.0 / 10.0]),
@@ -35,7 +35,7 @@ _MIRRORED = Polynomial([1.0, -1.0])
 def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return deflections and slopes (2, modes, points) of the lowest mass-normalised bending modes at points `x` [m].
 
-    Hyperbolic functions are taken apart into growing and decaying exponentials, whose factors hold all digits.
+    Hyperbolic functions are split into growing and decaying exponentials, whose factors hold all digits.
     """
     found = np.zeros((2, modes, x.size))
     for k in range(modes):
@@ -49,10 +49,10 @@ def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64
 
 
 def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return slopes (4, points) at points `x` [m] per unit end value that the modes above the lowest `bending` add.
+    """Return slopes (4, points) at points `x` [m] of the static shapes that replace modes above the lowest `bending`.
 
-    The end values are a deflection [1/m] and a slope at the first end, both even about the middle, then both odd. Loads
-    at the ends bend the beam statically into these shapes, less the part that its lowest modes take of them.
+    The shapes have a unit deflection [1/m] or a unit slope at the first end, first even about the middle, then odd.
+    They are static shapes under loads at the ends, minus the contribution of the lowest modes.
     """
     s, found = x / length, []
     shapes = bending_shapes(1.0, 1.0, bending, s)[1]
@@ -72,7 +72,7 @@ def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[
 def quadratic_forms(
     length: float, mass: float, bending: int, axial: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return K (axial, n, n) and S (2, n, n), n = bending + 4, by bending amplitudes and the rest of end values."""
+    """Return K (axial, n, n) and S (2, n, n) by bending amplitudes and other modes' end values; n = bending + 4."""
     project, ends = _unit_forms(bending, axial)
     scale = np.array([*[1.0 / math.sqrt(mass)] * bending, *[1.0, length] * 2]) / math.sqrt(length)
     both = np.outer(scale, scale)
@@ -86,7 +86,7 @@ def _unit_forms(bending: int, axial: int) -> tuple[NDArray[np.float64], NDArray[
     x, w = 0.5 * (nodes + 1.0), 0.5 * weights
     slope = np.concatenate([bending_shapes(1.0, 1.0, bending, x)[1], rest_slopes(1.0, bending, x)])
     numbers = np.arange(1, axial + 1)[:, None]
-    # Integrals of rho times the axial modes from the first end, which is the weight of u' in their projections.
+    # Integrals of density times axial mode from the first end: the weights of u' in the projections.
     integrated = math.sqrt(2.0) / (numbers * math.pi) * np.sin(numbers * math.pi * x)
     project = np.einsum("kx,ix,jx,x->kij", integrated, slope, slope, w)
     whole = np.stack([1.0 - x, -x])

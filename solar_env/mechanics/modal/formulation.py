@@ -1,4 +1,4 @@
-"""Formulation of rigid bodies and modal panels in floating frames, which the loads of the joints move."""
+"""Formulation of the motion of rigid bodies and modal panels in floating frames, driven by the joint loads."""
 
 import itertools
 import math
@@ -29,55 +29,55 @@ from solar_env.mechanics.modal.motion import look_at
 from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, EVEN_ENDS, LAST, ODD_ENDS
 from solar_env.mechanics.numerics.jit import kernel
 
-# Parts of a panel's axis, each with as many points as an element of a beam.
+# Number of parts of a panel's axis, each with as many points as an element of a beam.
 _PARTS = 8
 
 
 @kernel
 def view_joint(model, state, j):
-    """Return the joint `j` as a controller may observe it."""
+    """Return what a controller may observe of joint `j`."""
     view = state.views[j]
     return JointView(view[0], view[1], math.atan2(math.sin(view[2]), math.cos(view[2])), view[3], view[4], view[5])
 
 
 class FloatingFrames(Formulation):
-    """Centre of mass, angle and modal amplitudes of every body; loads of the joints as the unknowns of a step."""
+    """Formulation by each body's centre of mass, angle and modal amplitudes; joint loads are the unknowns of a step."""
 
     view_joint = staticmethod(view_joint)
 
     def compile(self, mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
-        """See `Formulation.compile`."""
+        """Compile a mechanism into its model and initial state, see `Formulation.compile`."""
         return compile_modal(mechanism)
 
     def begin(self, model: ModalModel, state: ModalState) -> None:
-        """Fill the loads of the joints with the torques of their laws, and the joints' views."""
+        """Fill the joint loads with the initial torques, and the views that controllers observe."""
         start_loads(model, state, make_workspace(model, state))
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return the greatest violations of the ideal joints, in m and m/s."""
+        """Return the greatest position gap [m] and relative velocity [m/s] in ideal joints, which should be zero."""
         motion = np.abs(present_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, :, LAST])
         gaps, rates = motion[:, [ECCENTRICITY_X, ECCENTRICITY_Y]], motion[:, [VELOCITY_X, VELOCITY_Y]]
         return float(gaps.max(initial=0.0)), float(rates.max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
-        """Evaluate the table of loads with the loads at the end of the last step."""
+        """Return the table (joints, LOAD_COLUMNS) of motion, forces and torques at the end of the last step."""
         work = present_motion(model, state)
         fill_load_table(model, state, work, state.course[:, LAST], work.sample)
         return work.sample
 
     def stored_energies(self, model: ModalModel, state: ModalState) -> Array:
-        """See `Formulation.stored_energies`."""
+        """Return the (ENERGIES,) stored energies of the present state [J], in the order of `model.ENERGY_NAMES`."""
         energies = np.zeros(ENERGIES)
         stored_energies(model, state, state.q, state.v, present_motion(model, state), energies)
         return energies
 
     def greatest_weight(self, model: ModalModel) -> float:
-        """Return the greatest weight of a body that moves [N]."""
+        """Return the greatest weight of a moving body [N]."""
         moving = model.bodies["inverse_mass"] > 0.0
         return float(np.hypot(*model.gravity) * model.bodies["mass"][moving].max(initial=0.0))
 
     def momenta(self, model: ModalModel, state: ModalState) -> Array:
-        """Return the momenta of the frames: the modes have no momentum."""
+        """Return linear and angular momenta (3,) of the frames [N s, N m s]; elastic modes have no momentum."""
         bodies = model.bodies[model.bodies["inverse_mass"] > 0.0]
         first, mass = bodies["offset"], bodies["mass"]
         x, y = state.q[first], state.q[first + 1]
@@ -86,7 +86,7 @@ class FloatingFrames(Formulation):
         return np.array([(mass * u).sum(), (mass * v).sum(), angular.sum()])
 
     def centreline(self, model: ModalModel, q: Array, body: int, points_per_element: int) -> Array:
-        """Return the points (..., k, 2) [m] along the axis of a body; on a panel k is 8 * points_per_element + 1."""
+        """Return points (..., k, 2) [m] along a body's axis: k is 2 if rigid, 8 * points_per_element + 1 on a panel."""
         row = model.bodies[body]
         first = int(row["offset"])
         if row["panel"] == RIGID_BODY:
@@ -98,32 +98,32 @@ class FloatingFrames(Formulation):
         return np.stack([line.real, line.imag], axis=-1)
 
     def modal_range(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """See `Formulation.modal_range`."""
+        """Return maxima so far: slope of a panel's end [rad], spin divided by lowest angular frequency."""
         slope, spin_ratio = state.extremes
         return float(slope), float(spin_ratio)
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return zero, since every step solves for the reactions, and the greatest component of a joint force [N]."""
+        """Return zero, since every step solves for the reactions, and the greatest joint force component [N]."""
         return 0.0, float(np.abs(state.course[-2 * len(model.joints) :, LAST]).max(initial=0.0))
 
 
 def present_motion(model: ModalModel, state: ModalState) -> Workspace:
-    """Return a workspace that holds the present motion."""
+    """Return a new workspace filled with the motion at the state's coordinates and velocities."""
     work = make_workspace(model, state)
     look_at(model, state.q, state.v, work)
     return work
 
 
 def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int) -> NDArray[np.complex128]:
-    """Return the points of a panel's axis in its frame.
+    """Return the points of a panel's axis in the panel's frame, as complex numbers x + i y.
 
-    The kept bending modes enter with their shapes; all else is exact at the ends, and a polynomial between them.
+    True bending modes enter with their shapes; all else is exact at the ends, and a polynomial between them.
     """
     panels, d, s = model.panels, row["design"], np.linspace(0.0, 1.0, points)
     parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]
 
     def beyond(group: int, lowest: int) -> Array:
-        """Return the values of the first end by all modes of a group above the `lowest`."""
+        """Return what all modes of a group above the `lowest` contribute to the values of the first end."""
         return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.shapes[d, :, parts[group]].T[lowest:])
 
     low = [
@@ -148,5 +148,5 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
 
 @lru_cache(maxsize=16)
 def _kept_shapes(modes: int, points: int) -> Array:
-    """Return the (modes, points) bending modes of a free beam of unit mass at equal distances."""
+    """Return the bending modes (modes, points) of a free beam of unit mass, at equally spaced points."""
     return bending_shapes(1.0, 1.0, modes, np.linspace(0.0, 1.0, points))[0]

@@ -1,7 +1,6 @@
-"""The method `ModalRadau` as the run loop meets it: the motion inside a step, its acceptance, samples and force peaks.
+"""Kernels of the method `ModalRadau` for the run loop: a step's attempt, the motion inside it, and its acceptance.
 
-A step is a pure function of the accepted state and its size. Where an event lies inside a step, it is solved again, cut
-there.
+A step is a pure function of accepted state and step size. A step with an event inside is solved again up to the event.
 """
 
 import math
@@ -44,11 +43,11 @@ from solar_env.mechanics.numerics.vectors import splat4, store4
 from solar_env.mechanics.records.history import step_limit
 
 CONTROL = StepController(5.0, most_growth=4.0, memory=0.25)
-_FIRST_STEP = 1e-4  # s
-# Level of tables for one step size, of the type of other levels: another type would compile the kernels anew.
+_FIRST_STEP = 1e-4  # s, first step of a run
+# Level in tables of a single step size. Its type is the type of other levels: another type would recompile kernels.
 _CUT = np.int64(0)
-_OFF_TABLE = np.int64(-1)  # in `trial.level`
-# Tolerance of a step's depth errors, relative to the depth, divided by rtol.
+_OFF_TABLE = np.int64(-1)  # value of `trial.level` for a step size that is not tabled
+# Depth tolerance of a step, relative to the depth, divided by rtol.
 _DEPTH_TOLERANCE = 0.1
 
 
@@ -65,13 +64,13 @@ def convert_settings(chosen: Any) -> ModalSettings:
 
 @kernel
 def set_load(state, k, load):
-    """Set a load at the present state; its course becomes constant."""
+    """Set load `k` of the present state, and its course in the last step, to one constant value."""
     store4(state.course[k], 0, splat4(load))
 
 
 @kernel(inlined=False)
 def start_loads(model, state, work):
-    """Compute the torques of the laws at the start of a run."""
+    """Compute the motion, and the torques of joints and cable loops, at the start of a run."""
     look_at(model, state.q, state.v, work)
     start_from_end(model, state, state.q, work)
     note_extremes(model, state, work, state.v)
@@ -83,7 +82,7 @@ def start_loads(model, state, work):
 
 @kernel
 def take_motion(model, state, work):
-    """Fill the joints' motion for the run loop, and their views, at the accepted state."""
+    """Fill the joints' motion at the accepted state for the run loop, and the joints' views for controllers."""
     for j in range(model.joints.size):
         motion, place, view = work.motion[j], state.motion[j], state.views[j]
         motion.depth, motion.depth_rate = place[DEPTH], place[DEPTH_RATE]
@@ -95,7 +94,7 @@ def take_motion(model, state, work):
 
 @kernel
 def begin_modal(model, state, settings, work):
-    """Prepare a call: workspace, loads, the joints' motion and a first step size from the present state."""
+    """Prepare a call of the run loop: fill workspace, loads and joints' motion, and choose a first step size."""
     clock = state.clock[0]
     start_at_state(state, work)
     for k in range(work.loads.size):
@@ -117,11 +116,11 @@ def start_at_state(state, work):
 
 @kernel
 def choose_modal(model, state, settings, work, remaining):
-    """Return the step to try [s]: the greatest tabled size that does not exceed the wanted one, or the rest."""
+    """Return the step to try [s]: the greatest tabled size up to the wanted size, or the remaining time of the call."""
     wanted = step_limit(state, settings)
     level = level_below(wanted)
     h = level_size(level) if level < LEVELS else wanted
-    # No sliver of a step is left before the end.
+    # Take the remaining time at once if a step would leave only a sliver of it.
     last = remaining <= max(wanted, 1.05 * h)
     work.trial[0].level = _OFF_TABLE if last or level == LEVELS else level
     return max(wanted, remaining) if last else h
@@ -129,7 +128,7 @@ def choose_modal(model, state, settings, work, remaining):
 
 @kernel
 def tables_of(model, work):
-    """Return the tables and level of the trial's step."""
+    """Return the tables, and their level, that hold the modes' responses for the trial's step size."""
     if work.trial[0].level == _OFF_TABLE:
         return work.tables, _CUT
     return model.tables, work.trial[0].level
@@ -137,7 +136,7 @@ def tables_of(model, work):
 
 @kernel
 def attempt_modal(model, state, settings, work, h):
-    """Solve a step `h` [s]; return its error in units of the tolerance: 0 if it was cut, infinite if unsolved."""
+    """Solve a step `h` [s]; return its error in tolerances: 0 if cut at an event, infinite if unsolved."""
     trial = work.trial[0]
     if trial.cuts > 0:
         trial.level = _OFF_TABLE
@@ -152,7 +151,7 @@ def attempt_modal(model, state, settings, work, h):
 
 @kernel
 def depth_of_modal(model, state, work, j, h, share):
-    """Return the penetration [m] of joint `j` at a share of the step, on the cubic through its motion at both ends."""
+    """Return joint `j`'s penetration [m] at a fraction `share` of the step, from cubics between the step's ends."""
     ex = along(state, work, j, ECCENTRICITY_X, VELOCITY_X, h, share)
     ey = along(state, work, j, ECCENTRICITY_Y, VELOCITY_Y, h, share)
     return math.sqrt(ex * ex + ey * ey) - model.joints[j].clearance
@@ -160,31 +159,31 @@ def depth_of_modal(model, state, work, j, h, share):
 
 @kernel
 def angle_of_modal(model, state, work, j, h, share):
-    """Return the angle [rad] of joint `j` at a share of the step, as `depth_of_modal` does."""
+    """Return joint `j`'s angle [rad] at a fraction `share` of the step, from a cubic between the step's ends."""
     return along(state, work, j, ANGLE, RATE, h, share)
 
 
 @kernel
 def along(state, work, j, value, rate, h, share):
-    """Return the cubic through a joint's motion at both ends, at a share of the step; `value`, `rate` are columns."""
+    """Interpolate column `value` of joint `j`'s motion at a fraction `share` of the step; its rate is column `rate`."""
     start, end = state.motion[j], work.joints[j].motion
     return cubic(share, start[value], h * start[rate], end[value, LAST], h * end[rate, LAST])
 
 
 @kernel
 def complete_modal(model, state, settings, work, h):
-    """Move to the end of the solved step in the workspace: coordinates, velocities, integrals."""
+    """Compute coordinates, velocities and integrals at the end of the solved step, in the workspace."""
     start_at_state(state, work)
     tables, level = tables_of(model, work)
     commit_step(model, state, work, tables, level, h)
     add_integrals(model, state, work, h)
-    # Before the samples inside the step, which overwrite this scratch.
+    # Samples inside the step overwrite this scratch afterwards.
     start_from_end(model, state, work.q, work)
 
 
 @kernel
 def commit_modal(model, state, settings, work, h, share):
-    """Take over the end of the step."""
+    """Copy coordinates, velocities, integrals and loads at the end of the step from the workspace to the state."""
     copy_into(state.q, work.q)
     copy_into(state.v, work.v)
     copy_into(state.integrals, work.integrals)
@@ -197,7 +196,7 @@ def commit_modal(model, state, settings, work, h, share):
 
 @kernel
 def evaluate_modal(model, state, work, changed):
-    """Fill the forces of the joints at the accepted state."""
+    """Fill every joint's force at the accepted state: a contact's normal force, or an ideal joint's reaction."""
     for j in range(model.joints.size):
         first, second = state.course[force_of(model, j), LAST], state.course[force_of(model, j) + 1, LAST]
         ideal = model.joints[j].kind == IDEAL
@@ -207,14 +206,14 @@ def evaluate_modal(model, state, work, changed):
 
 @kernel
 def contact_arcs(model, state, work, j):
-    """Return the arcs along which journal and bearing of joint `j` slid in the step: middle and half [rad] of each."""
+    """Return the arcs of journal and bearing along which joint `j` slid in the step, by middle and half angle [rad]."""
     journal, bearing = work.joints[j].arcs[0], work.joints[j].arcs[1]
     return (journal[0], journal[1]), (bearing[0], bearing[1])
 
 
 @kernel
 def instantaneous_inverse_mass(model, state, j):
-    """Return the inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
+    """Return joint `j`'s inverse effective mass [1/kg] along its line of centres before the bodies deform."""
     motion, joint = state.motion[j], model.joints[j]
     nx, ny, total = motion[NORMAL_X], motion[NORMAL_Y], 0.0
     for side in range(2):
@@ -237,7 +236,7 @@ def instantaneous_inverse_mass(model, state, j):
 
 @kernel
 def open_contact(model, state, work, j):
-    """Return joint `j`'s inverse mass [1/kg] along its line of centres; start its loads at their laws' values."""
+    """Start joint `j`'s contact loads at their laws' values; return its inverse effective mass [1/kg] for an impact."""
     joint, motion = model.joints[j], state.motion[j]
     # The loads matter where a run starts with a journal that is pressed into its bearing.
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
@@ -250,7 +249,7 @@ def open_contact(model, state, work, j):
 
 @kernel
 def resume_modal(model, state, work):
-    """Forget the loads of contacts that have ended."""
+    """Set the loads of contacts that have ended to zero."""
     for j in range(model.joints.size):
         if model.joints[j].kind == CLEARANCE and not state.joints[j].in_contact:
             for k in range(force_of(model, j), force_of(model, j) + 2):

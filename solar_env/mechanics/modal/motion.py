@@ -1,8 +1,8 @@
-"""Motion from loads: loads of joints and cable loops on the bodies, their frames at the stages, the joints' motion.
+"""Motion from loads: loads of joints and cable loops on bodies, bodies' frames at the stages, motion of the joints.
 
-The stages of a step are lanes of vectors; in a pose all lanes are alike. A loop's wheels turn against
-the chord of the body between its joints (`joints/cable_loop.py`). Its load is the torque on the outer wheel; the motion
-that it works on, where it conserves energy, is minus the mismatch of the wheels.
+Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. The angles of a
+loop's wheels count from the chord of the body between its joints (`joints/cable_loop.py`). A loop's load is the torque
+on the outer wheel. If the loop conserves energy, this torque does work on minus the mismatch of the wheels' angles.
 """
 
 import math
@@ -50,25 +50,25 @@ from solar_env.mechanics.modal.tables import (
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat4, square_roots, store4, upper_half
 
-# By stage of the load, in lanes of the stages that it moves.
+# Radau coefficients of velocity and position: a row for the stage of the load, a lane for the stage that it moves.
 VELOCITY_BY_LOAD = np.array([[A[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
 PLACE_BY_LOAD = np.array([[B[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
 NODES_IN_LANES = np.array([NODES[min(s, LAST)] for s in range(LANES)])
-# Below this angle [rad] the series of sine and cosine in `turn_body` hold all digits.
+# Greatest angle [rad] at which the series of sine and cosine in `turn_body` hold all digits.
 _SMALL_TURN = 0.02
-# Below this slope the arctangent's series in `chord_angle` does.
+# Greatest slope at which the arctangent's series in `chord_angle` holds all digits.
 _SMALL_SLOPE = 0.05
 
 
 @kernel
 def add(target, vector):
-    """Add a vector to four numbers."""
+    """Add a vector to the four numbers of an array."""
     store4(target, 0, load4(target, 0) + vector)
 
 
 @kernel
 def add_load(model, work, number, fx, fy, torque):
-    """Add forces [N] and a torque [N m] at an attachment, at all stages, to its body's loads."""
+    """Add a force [N] and a torque [N m] at an attachment, at all stages, to the loads of its body and panel ends."""
     attachment = model.attachments[number]
     body, arm = work.bodies[attachment.body], work.attachments[number].arm
     add(body.load[0], fx)
@@ -89,10 +89,10 @@ def add_load(model, work, number, fx, fy, torque):
 
 @kernel
 def outboard_load(joint, nx, ny, lever, first, second, torque):
-    """Return force and torque on a joint's outboard body by its force and torque, and the torque on the inboard one.
+    """Return the force and torque of a joint on its outboard body, and the torque on its inboard body.
 
-    The force has the two components of an ideal joint's reaction, or the normal and tangential ones of a contact along
-    and across (nx, ny). It takes numbers, or vectors of several configurations.
+    `first` and `second` are the components of an ideal joint's reaction, or the normal and tangential force of a
+    contact along and across (nx, ny). `torque` acts on the joint angle. Arguments are numbers, or vectors.
     """
     torque = joint.sign * torque
     if joint.kind == IDEAL:
@@ -107,13 +107,13 @@ def outboard_load(joint, nx, ny, lever, first, second, torque):
 
 @kernel
 def force_of(model, j):
-    """Return the number of the first component of a joint's force among the loads; the second one follows."""
+    """Return the index, among the loads, of the first component of joint `j`'s force; the second component follows."""
     return model.joints.size + CABLE_LOADS * model.cables.size + 2 * j
 
 
 @kernel
 def cable_attachment(model, cable, face):
-    """Return the number of the attachment at a loop's `face`: outer wheel, inner wheel, then the chord's two ends."""
+    """Return the index of a loop's attachment `face`: outer wheel, inner wheel, then the chord's two ends."""
     if face == 0:
         return model.joints[cable.joint_b].outboard
     if face == 1:
@@ -123,10 +123,10 @@ def cable_attachment(model, cable, face):
 
 @kernel
 def face_load(model, cable, across_x, across_y, length, face, torque, pull, ratio):
-    """Return the force [N] and torque [N m] of a loop on an attachment; `ratio`: minus inner divided by outer torque.
+    """Return the force [N] and torque [N m] of a cable loop on its attachment `face`.
 
-    `across_x`, `across_y` and `length` belong to its chord, along which it has the `pull` [N]. It takes numbers, or
-    vectors of several configurations.
+    `ratio` is minus the inner torque divided by the outer torque. `across_x`, `across_y` and `length` describe the
+    chord (columns of the loop's motion), along which the `pull` [N] acts. Arguments are numbers, or vectors.
     """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
     nothing, moment = 0.0 * torque, inner - outer
@@ -144,7 +144,7 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
 
 @kernel
 def distribute_loads(model, state, work):
-    """Fill the loads of bodies and ends at the stages from the loads of joints and loops, in present directions."""
+    """Compute the loads on bodies and panel ends at the stages from joint and loop loads, in present directions."""
     nothing = splat4(0.0)
     for b in range(model.bodies.size):
         for i in range(3):
@@ -153,7 +153,7 @@ def distribute_loads(model, state, work):
         panel = work.panels[p]
         for group in range(GROUPS):
             for i in range(VALUES):
-                # Foreshortening's forces on the rest of the end values are loads of the ends.
+                # Foreshortening's forces on the end values of the other modes load the ends.
                 rest = panel.coupling[group, model.panels.coupled[group] + i]
                 store4(panel.load[group, i], 0, load4(rest, 0) if group < AXIAL_EVEN else nothing)
     for j in range(model.joints.size):
@@ -175,7 +175,7 @@ def distribute_loads(model, state, work):
 
 @kernel
 def turn_body(start, angle, turn):
-    """Fill cosine and sine (2, LANES) after further turns by the `angle` [rad], a vector, from (2,) `start`."""
+    """Fill `turn` (2, LANES) with cosine and sine of a body's angle: `start` (2,) turned by a vector `angle` [rad]."""
     square, small = angle * angle, True
     store4(turn[0], 0, square)
     for s in range(STAGES):
@@ -194,7 +194,7 @@ def turn_body(start, angle, turn):
 
 @kernel
 def stage_frames(model, state, work, h):
-    """Compute the centres of mass and angles of the bodies at the stages, with their rates."""
+    """Compute centres of mass and angles of the bodies, with their rates, at the stages of a step `h` [s]."""
     times = h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         body, scratch = model.bodies[b], work.bodies[b]
@@ -214,7 +214,7 @@ def stage_frames(model, state, work, h):
 
 @kernel
 def move_attachments(model, work):
-    """Place the attachments, from the bodies' frames and the motion of the panels' ends."""
+    """Compute the attachments' motion from the bodies' frames and the motion of the panels' ends."""
     for number in range(model.attachments.size):
         attachment, scratch = model.attachments[number], work.attachments[number]
         body, panel = work.bodies[attachment.body], model.bodies[attachment.body].panel
@@ -274,7 +274,7 @@ def move_joints(model, work):
 
 @kernel
 def chord_angle(cable, x, y, turn):
-    """Add to (LANES,) `turn` [rad] the direction of a chord (x, y) against its body's axis."""
+    """Add the angle of a chord (x, y) from its body's axis to `turn` (LANES,) [rad]."""
     small = True
     for s in range(STAGES):
         small = small and cable.chord_sense * x[s] > 0.0 and abs(y[s]) < _SMALL_SLOPE * abs(x[s])
@@ -290,7 +290,7 @@ def chord_angle(cable, x, y, turn):
 
 @kernel
 def move_cables(model, work):
-    """Fill the motion of every loop from the motion of joints and attachments."""
+    """Fill the motion of every cable loop from the motion of joints and attachments."""
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         inner, outer = work.joints[cable.joint_a].motion, work.joints[cable.joint_b].motion
@@ -325,7 +325,7 @@ def move_cables(model, work):
 
 @kernel(inlined=False)
 def look_at(model, q, v, work):
-    """Fill frames, attachments, joints and loops in all lanes for given coordinates and velocities."""
+    """Compute frames, attachments, joints and cable loops at given coordinates and velocities, in all vector lanes."""
     for b in range(model.bodies.size):
         body, scratch, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
@@ -344,7 +344,7 @@ def look_at(model, q, v, work):
 
 @kernel
 def start_from_end(model, state, q, work):
-    """Take over the motion at the last stage, and at coordinates `q`, as the present state's motion."""
+    """Copy the motion at the last stage to the state as its present motion; coordinates `q` give the body angles."""
     for b in range(model.bodies.size):
         angle = q[model.bodies[b].offset + 2]
         state.turns[b, 0], state.turns[b, 1] = math.cos(angle), math.sin(angle)

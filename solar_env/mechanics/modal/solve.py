@@ -1,10 +1,10 @@
-"""One step of the three-stage Radau IIA method on the loads of the joints: Newton's iteration.
+"""One step of the three-stage Radau IIA method: Newton's iteration for the joint loads at the stages.
 
-Fifth order, stiffly accurate, L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
-Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Directions and lever arms at the stages are renewed in
-every iteration, foreshortening after large corrections. The matrix takes them from the first iteration, and is kept
-while the laws of the loads stay in the same pieces. With ideal joints the relative velocity vanishes at the stages,
-less a share that returns the position.
+The method is of fifth order, stiffly accurate and L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential
+Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Every iteration updates directions
+and lever arms at the stages; foreshortening is updated after large corrections. Newton's matrix uses the first
+iteration's directions, and is reused while all loads stay on the same branches of their laws. In ideal joints the
+relative velocity at the stages vanishes, except for a small part that closes the position gap.
 """
 
 import math
@@ -58,32 +58,32 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import lane, load4, splat4, square_roots, store4, where_less
 
 _MOST_ITERATIONS = 30
-# Foreshortening is of second order: its forces, which go on along their course, are renewed in the first iteration, and
-# after corrections above this number of tolerances; with ideal joints always.
+# Least correction, in tolerances, after which the next iteration updates foreshortening's forces; these are of second
+# order and start from the last step's course. The first iteration, or any with ideal joints, also updates them.
 _COARSE = 10.0
-# The matrix is kept while the correction shrinks to this share of the one before, in at most this number of iterations.
+# Fraction of the previous correction below which Newton's matrix is reused, and greatest number of such iterations.
 _SHRINKING = 0.1
 _KEPT_ITERATIONS = 8
-# The iteration ends where the corrections to come are less than this share of the tolerance.
+# The iteration ends where the remaining corrections are below this fraction of the tolerance.
 _CONVERGED, _CONVERGED_REACTIONS = 0.01, 0.05
 _HOPELESS = 1e12
-# Greatest ratio of a step to the last one to follow a load's course; beyond, the load goes on along its tangent.
+# Greatest ratio of a step to the last step at which loads follow their polynomials; beyond it, they follow tangents.
 _FOLLOWED = 1.6
-# Greatest turn [rad] of a line of centres that is foreseen.
+# Greatest predicted turn [rad] of a line of centres.
 _GREATEST_TURN = 0.5
-# Least depth that counts, divided by the predicted greatest depth of the impact.
+# Least depth for the depth tolerance, divided by the predicted greatest depth of the impact.
 _LEAST_DEPTH = 0.05
-# A normal force needs no tolerance below _LOAD_SHARE times rtol times the force, and no tolerance by its depth below
-# _LEAST_LOAD times its tolerance by the velocity.
+# The depth never requires a normal force's tolerance below _LOAD_SHARE times rtol times the force, nor below
+# _LEAST_LOAD times the tolerance that the velocity requires.
 _LOAD_SHARE = 5.0
 _LEAST_LOAD = 0.03
-# With clearance in every joint the velocity scale shrinks with the speed of the hinges, to this share at most: slow
-# impacts come from vibrations, which an error of the size of the full scale would damp.
+# With clearance in every joint the velocity scale shrinks with the hinges' speed, down to this fraction: slow impacts
+# come from vibrations, which errors of the size of the full scale would damp.
 _LEAST_SCALE = 0.01
 
 
 class ModalSettings(NamedTuple):
-    """Settings as the kernels take them, see `ModalRadau`."""
+    """Settings of `ModalRadau` in the types that kernels take."""
 
     rtol: float
     velocity_scale: float
@@ -94,7 +94,7 @@ class ModalSettings(NamedTuple):
 
 @kernel
 def foresee(state, work, h):
-    """Fill the weights with which loads at the stages of the last step foretell loads of a step `h` [s]."""
+    """Fill the weights that extrapolate loads from the stages of the last step to the stages of a step `h` [s]."""
     last = state.clock[0].last_step
     for s in range(LANES):
         later = NODES[min(s, LAST)] * h / last if last > 0.0 else 0.0
@@ -110,7 +110,7 @@ def foresee(state, work, h):
 
 @kernel
 def continue_course(foreseen, course, stage):
-    """Fill values at the stages (LANES,) from the values at the last step's stages."""
+    """Extrapolate a `course`, values at the last step's stages, to a `stage` array (LANES,) of this step's stages."""
     total = course[0] * load4(foreseen[0], 0)
     for k in range(1, STAGES):
         total = total + course[k] * load4(foreseen[k], 0)
@@ -119,7 +119,7 @@ def continue_course(foreseen, course, stage):
 
 @kernel
 def start_stages(model, state, work, h):
-    """Guess the stages: directions by their rates at the start, loads along their course in the last step."""
+    """Guess the stages of a step: directions move at their initial rates; loads are extrapolated from the last step."""
     foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
@@ -162,8 +162,7 @@ def start_stages(model, state, work, h):
 def move_stages(model, state, work, tables, level, h, shaped, coupled):
     """Compute the motion of bodies, attachments and joints at the stages under the present loads.
 
-    If `shaped`, foreshortening is renewed, and if `coupled` its forces, too; they belong to amplitudes under the
-    forces before.
+    If `shaped`, update foreshortening; if `coupled`, update its forces, too, from amplitudes under the previous forces.
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
@@ -176,7 +175,7 @@ def move_stages(model, state, work, tables, level, h, shaped, coupled):
                 bend(model.panels, panel, forced, d)
             if coupled:
                 couple(model.panels, panel, forced, d)
-                # The forces on the rest of the end values are among the loads.
+                # The end loads include foreshortening's forces on the end values of the other modes.
                 forced_ends(panel, tables.responses[d, level].response, AXIAL_EVEN)
             add_modal_forces(model.panels, panel, forced, d)
             shorten_ends(panel)
@@ -187,7 +186,7 @@ def move_stages(model, state, work, tables, level, h, shaped, coupled):
 
 @kernel
 def velocity_tolerance(model, state, settings):
-    """Return the tolerance [m/s] of velocities: rtol times the velocity scale, or times the hinges' speed if less."""
+    """Return the velocity tolerance [m/s]: rtol times the velocity scale, or times the hinges' speed if it is lower."""
     scale, fastest = settings.velocity_scale, 0.0
     for j in range(model.joints.size):
         if model.joints[j].kind == IDEAL:
@@ -198,13 +197,13 @@ def velocity_tolerance(model, state, settings):
 
 @kernel
 def set_tolerances(model, state, work, settings, h, n):
-    """Compute each force's tolerance: its deviation from the polynomial that causes errors of the tolerances' size."""
+    """Compute the tolerance of each force: its deviation from the load polynomial that causes a tolerable error."""
     limit = work.step[0].velocity_tolerance
     for r in range(n):
         j, kind, load = work.unknowns[r].owner, work.unknowns[r].kind, work.loads[work.unknowns[r].number]
         if kind < PULL_ROW:
             continue
-        # Without signs: a vibration may have turned back by the end of the step.
+        # Magnitudes are summed, since a vibration may have turned back by the end of the step.
         response = work.mobility[r, r].response
         gain = 0.0
         for k in range(STAGES):
@@ -214,7 +213,7 @@ def set_tolerances(model, state, work, settings, h, n):
             joint_state = state.joints[j]
             greatest = joint_state.impact_speed * joint_state.contact_duration / model.joints[j].contact[3]
             depth = max(work.joints[j].motion[DEPTH, LAST], state.motion[j, DEPTH], _LEAST_DEPTH * greatest)
-            # A load that is off by a share moves a stiff contact's depth by no more than that share.
+            # A relative error of the load causes at most the same relative error of a stiff contact's depth.
             share = _LOAD_SHARE * settings.rtol * max(load.stage[LAST], state.course[work.unknowns[r].number, LAST])
             least_load = max(share, _LEAST_LOAD * load.tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
@@ -223,13 +222,13 @@ def set_tolerances(model, state, work, settings, h, n):
 
 @kernel
 def greatest_lane(vector):
-    """Return the greatest of the numbers at the stages."""
+    """Return the greatest of a vector's numbers at the three stages."""
     return max(max(lane(vector, 0), lane(vector, 1)), lane(vector, 2))
 
 
 @kernel
 def factor_matrix(state, work, n, h, renewed):
-    """Fill the residuals and, if `renewed`, fill and factor Newton's matrix block by block; False if it is singular."""
+    """Fill the residuals; if `renewed`, fill and factor Newton's matrix. Return False if a block is singular."""
     for r in range(n):
         load, constraint = work.loads[work.unknowns[r].number], work.unknowns[r].kind >= REACTION_X_ROW
         if constraint:
@@ -247,10 +246,10 @@ def factor_matrix(state, work, n, h, renewed):
 
 @kernel
 def correct_loads(model, state, work, n, h, renewed):
-    """Correct the loads once by Newton's method; its matrix is kept unless `renewed` or a law is in new pieces.
+    """Correct the loads once by Newton's method, with a new matrix if `renewed` or a load's law changed its branch.
 
-    Return the greatest change of an unknown, and of a torque that is not one, divided by their tolerances; infinite if
-    the matrix is singular or a change is not finite.
+    Return the greatest change of an unknown, and the greatest change of a torque that is no unknown, divided by their
+    tolerances. Both are infinite if the matrix is singular or a change is not finite.
     """
     size = apart = total = splat4(0.0)
     changed = greatest_lane(torque_laws(model, state, work) + contact_laws(model, state, work, n))
@@ -277,7 +276,7 @@ def correct_loads(model, state, work, n, h, renewed):
 
 @kernel
 def furthest_off(model, work, n):
-    """Return the joint whose load the latest correction has changed most in units of its tolerance, or -1."""
+    """Return the joint whose load the latest correction changed most, in tolerances; -1 if no load changed."""
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
@@ -290,7 +289,7 @@ def furthest_off(model, work, n):
 
 @kernel
 def solve_step(model, state, work, settings, tables, level, h):
-    """Solve for the loads of a step `h` [s]; False if Newton's iteration does not converge."""
+    """Solve for the joint loads at the stages of a step `h` [s]; return False if the iteration does not converge."""
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:
@@ -307,8 +306,8 @@ def solve_step(model, state, work, settings, tables, level, h):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
     done = False
     for iteration in range(_MOST_ITERATIONS):
-        # A reaction holds the joint where foreshortening puts it: foreshortening must be current. And the next step
-        # removes any velocity that it finds in ideal joints: at the end it must belong to the coordinates.
+        # A reaction holds the joint where foreshortening puts it: foreshortening must be current. At the end velocities
+        # must fit the coordinates: the next step removes any velocity that it finds in ideal joints.
         coupled = not done and (constrained or iteration == 0 or before > _COARSE)
         move_stages(model, state, work, tables, level, h, coupled or constrained, coupled)
         if done:
@@ -316,16 +315,16 @@ def solve_step(model, state, work, settings, tables, level, h):
         state.clock[0].evaluations += 1
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
-        # Anew each time: the depth that a journal would reach freely is no measure of the depth that it does reach.
+        # Updated in every iteration: the depth of a journal in free flight would not measure its depth in contact.
         set_tolerances(model, state, work, settings, h, n)
         size, apart = correct_loads(model, state, work, n, h, renewed)
         shrinking = size < _SHRINKING * before
         size = max(size, apart)
         if not size < _HOPELESS:
             return False
-        # Sum of the corrections to come, by the rate at which they shrink; but a relative velocity that is left in an
-        # ideal joint would be a blow in the next step. A first correction suffices only without unknowns: directions
-        # of contacts and reactions are not known before.
+        # Sum of the remaining corrections by their rate of shrinking; with ideal joints the last correction instead:
+        # any relative velocity left would be an impact in the next step. A first correction suffices only without
+        # unknowns: the directions of contacts and reactions are not known before.
         left = size * size / (before - size) if size < before < math.inf and not constrained else size
         enough = _CONVERGED_REACTIONS if constrained else _CONVERGED
         done = min(left, size) <= enough and (iteration > 0 or n == 0)

@@ -1,13 +1,13 @@
-"""Answers of a panel's modes to a step of the three-stage Radau IIA method: of one mode, and tables by step size.
+"""Responses of a panel's modes to a step of the three-stage Radau IIA method, for one mode and in tables by step size.
 
-y'' + 2 delta y' + omega^2 y = f. The stages are from E. Hairer and G. Wanner, Solving Ordinary Differential
-Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last one is the step's end. A
-load's course over a step is the polynomial through its values at the stages. A mode answers it exactly, also where it
-vibrates several times in a step, if it is damped enough for errors to fade. The others answer as the method makes them,
-which dampens what it cannot follow; exact values there, at arbitrary phases, would be unstable.
+A mode obeys y'' + 2 delta y' + omega^2 y = f. The stages are from E. Hairer and G. Wanner, Solving Ordinary
+Differential Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last stage is the
+step's end. A load's course over a step is the polynomial through its values at the stages. A resolved mode responds
+exactly; so does a mode that vibrates several times in a step, if damping makes errors fade. Other modes respond as the
+method integrates them, which dampens what it cannot follow; exact values at arbitrary phases would be unstable.
 
-A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. So the modes form four groups,
-each of which sees the sum or the difference of the loads at the two ends, and one end's values tell the other's.
+A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. Bending and axial modes form
+four groups, each of which sees the sum or the difference of the two ends' loads. One end's values give the other end's.
 """
 
 import math
@@ -29,143 +29,143 @@ NODES = ((4.0 - math.sqrt(6.0)) / 10.0, (4.0 + math.sqrt(6.0)) / 10.0, 1.0)
 
 
 def _polynomial(stage: int) -> Polynomial:
-    """Return the polynomial in the share of the step that is one at a stage and zero at the others."""
+    """Return the polynomial in the fraction of the step that is one at a stage and zero at the other stages."""
     others = [node for k, node in enumerate(NODES) if k != stage]
     whole = Polynomial.fromroots(others)
     return whole / whole(NODES[stage])
 
 
 _POLYNOMIALS = [_polynomial(stage) for stage in range(STAGES)]
-# POLYNOMIAL[k][p]: coefficient of the power p in the share of the step, of the polynomial that is one at stage k.
+# POLYNOMIAL[k][p]: coefficient of power p of the fraction of the step, in the polynomial that is one at stage k.
 POLYNOMIAL = tuple(tuple(float(c) for c in one.coef) for one in _POLYNOMIALS)
-# Value at the start of the step, and rate at its end, of a course whose values at the stages are given.
+# Weights of the values at the stages for a course's value and rate at the start of the step, and rate at the end.
 AT_START = tuple(row[0] for row in POLYNOMIAL)
 RATE_AT_START = tuple(row[1] for row in POLYNOMIAL)
 RATE_AT_END = tuple(float(one.deriv()(1.0)) for one in _POLYNOMIALS)
-# Stage s, load k: velocities gain h A[s][k] f_k, positions h^2 B[s][k] f_k, with B = A A.
+# Radau coefficients: load f_k of stage k adds h A[s][k] f_k to velocity, h^2 B[s][k] f_k to position at s; B = A A.
 _A = np.array([[one.integ()(node) for one in _POLYNOMIALS] for node in NODES])
 A = tuple(map(tuple, _A.tolist()))
 B = tuple(map(tuple, (_A @ _A).tolist()))
 # Weights of the stages in an integral over the step.
 WEIGHTS = A[LAST]
 
-# Motion at the stages: values in the first LANES columns, rates in the others. A column that has no stage repeats the
-# last one.
+# Columns of a motion at the stages: LANES values, then LANES rates. The column without a stage repeats the last stage.
 LANES = 4
 COLUMNS = 2 * LANES
 END_VALUE, END_RATE = LAST, LANES + LAST
-# Rows of the coefficients of a mode, COLUMNS each: from its start value, its start rate, and the loads at the stages.
+# Offsets of a mode's coefficients, COLUMNS for each cause: start value, start rate, and the load at each stage.
 FROM_VALUE, FROM_RATE, FROM_LOAD = 0, COLUMNS, 2 * COLUMNS
 COEFFICIENTS = (2 + STAGES) * COLUMNS
 BY_LOAD = STAGES * COLUMNS
 
-# A step resolves a mode whose omega h is below this.
+# Greatest omega h of a mode that the step resolves.
 RESOLVED = 2.0
-# Beyond it a mode is exact up to omega h of `Panels.exact` if its damping ratio exceeds this, and 2 delta h is below
+# Least damping ratio of a mode that is exact beyond RESOLVED, up to omega h of `Panels.exact`; 2 delta h must be below
 # RESOLVED.
 _DAMPED = 0.02
-# Up to this omega h the Taylor series is used; beyond it loses digits, and the closed form has them.
+# Greatest omega h of the Taylor series: beyond, the series loses digits, and the closed form has them.
 _SERIES = 3.0
 _TERMS = 26
-_NEGLIGIBLE = 1e-20  # greatest term that may be left out, relative to the first ones
+_NEGLIGIBLE = 1e-20  # greatest negligible term of the series, relative to the first terms
 _SHARES = np.array([1.0 / ((n + 2) * (n + 1)) for n in range(_TERMS)])
-# In lanes of the cases: start value, start rate, and by power the loads' courses.
+# Causes in lanes of a vector: unit start value, unit start rate, and courses of unit loads at the stages, by power.
 _UNIT_VALUE, _UNIT_RATE = np.eye(2, COLUMNS)
 _UNIT_LOADS = np.zeros((STAGES, COLUMNS))
 _UNIT_LOADS[:, 2 : 2 + STAGES] = np.transpose(POLYNOMIAL)
 
-# Tabled step sizes: the greatest [s], and their number; each is the one before divided by the square root of two.
+# Tabled step sizes: greatest size [s] and number of sizes (levels). Each size is the previous one divided by sqrt(2).
 GREATEST_STEP = 0.032
 LEVELS = 50
 _SIZES = GREATEST_STEP * 2.0 ** (-0.5 * np.arange(LEVELS))
 
-# Errors of a vibration that is not resolved: of its rate, and of its value times its frequency. Either one vanishes at
-# some phases. Tables of free motion have them in lanes without a stage.
+# Defects: errors of an unresolved vibration's rate, and of its value times its frequency. Either defect vanishes at
+# some phases. Tables of free motion hold them in lanes without a stage.
 DEFECTS = 2
 DEFECT_LANES = (STAGES, LANES + STAGES)
 
-# Groups of modes. Values of an end: deflection and slope in bending, axial displacement (and nothing) in stretching.
+# Groups of modes. An end has two values in bending, deflection and slope, and one in stretching, displacement.
 BENDING_EVEN, BENDING_ODD, AXIAL_EVEN, AXIAL_ODD = range(4)
 GROUPS = 4
 VALUES = 2
-# Most coordinates of a group that foreshortening couples: modes and, in bending, what the others add to the end values.
+# Greatest number of coupled coordinates of a group, on which foreshortening acts: its lowest modes and, in bending,
+# what its other modes contribute to the end values.
 LOW = 4
-# Quadratic forms of foreshortening: projections on the coupled axial modes, odd and even ones, and the rest that the
-# ends feel, opposite and alike.
+# Quadratic forms of foreshortening: projections on odd and even coupled axial modes, and the remainder, which moves the
+# ends oppositely (odd) or alike (even).
 ODD_FIRST, ODD_SECOND, ODD_ENDS, EVEN_FIRST, EVEN_ENDS = range(5)
 FORMS = 5
 
-# How a mode answers a step of one size.
+# Response of a mode to a step of one size.
 answer_type = record(
     [
         ("coefficient", np.float64, COEFFICIENTS),  # see COEFFICIENTS
-        # Of the rate at the end by start value and by start rate; then of the value, times the frequency.
+        # Defects of the end rate by start value and by start rate; then defects of the end value, times the frequency.
         ("defect", np.float64, 2 * DEFECTS),
-        ("series", np.float64, (2 * STAGES, COLUMNS)),  # scratch: values and rates at the stages, by case
+        ("series", np.float64, (2 * STAGES, COLUMNS)),  # scratch: values and rates at the stages, by cause
     ]
 )
 
-# Components of an end's motion by components of a load there: along by along, across by across, across by turning, and
-# turning by turning.
+# Responses of an end to a load at an end: displacement along by force along, deflection by force across, deflection by
+# moment, slope by moment.
 ALONG_ALONG, ACROSS_ACROSS, ACROSS_TURNING, TURNING_TURNING = range(4)
 PRODUCTS = 4
 
-# Rows of what moves the modes to the end of a step: values, then rates, by start value, start rate and the loads.
+# Rows of the factors that give modes at the end of a step: values, then rates, by start value, start rate and loads.
 END_ROWS = 2 * (2 + STAGES)
 
-# How the ends answer the groups' loads in a step of one size.
+# Response of a panel's ends to the groups' loads in a step of one size.
 response_type = record(
     [
-        # Of value i by load j of a group, COLUMNS for the load at each stage.
+        # Response of end value i to load j of a group, COLUMNS for the load at each stage.
         ("response", np.float64, (GROUPS, VALUES, VALUES, BY_LOAD)),
-        # Of the loaded end and of the other one, by PRODUCTS of motion and unit load, for a load at the first end.
-        # `unknowns.add_shared` has the signs of ACROSS_TURNING for the other cases.
+        # Responses, by PRODUCTS, of the loaded end and of the other end to a unit load at the first end.
+        # `unknowns.add_shared` has the signs of ACROSS_TURNING for other combinations.
         ("ends", np.float64, (2, PRODUCTS, BY_LOAD)),
-        # Defects of the first value by load j at the start: what the load holds in place does not vibrate.
+        # Correction of the first value's defect by load j at the start: the deflection that the load holds is at rest.
         ("held", np.float64, (DEFECTS, GROUPS, VALUES)),
         ("unresolved", np.int64),  # number of modes with a defect
     ]
 )
 
-# Scratch of a panel in a step; last axes of LANES are stages, of COLUMNS values and rates at the stages.
+# Scratch of a panel in a step. Last axes of LANES are stages; last axes of COLUMNS are values and rates at the stages.
 panel_scratch = record(
     [
-        # Of the ends at the stages: transverse force and moment, or axial force.
+        # Loads of the ends at the stages: transverse force and moment, or axial force.
         ("load", np.float64, (GROUPS, VALUES, LANES)),
-        # Forces of foreshortening at the stages: on the coupled modes, and on the rest of the end values. The latter
-        # load all modes; on the coupled modes the former take that back.
+        # Foreshortening's forces at the stages: on the coupled modes, and on the end values of the other modes. The
+        # latter load all modes; the former cancel this effect on the coupled modes.
         ("coupling", np.float64, (GROUPS, LOW, LANES)),
-        # Rates of the coupled axial amplitudes minus foreshortening's rates, at the end.
+        # Strain rates of the coupled axial modes at the end: rates of amplitudes minus foreshortening's rates.
         ("strain_rate", np.float64, (GROUPS, LOW)),
         ("free", np.float64, (GROUPS, VALUES, COLUMNS)),  # free motion of the ends
-        ("defect", np.float64, (DEFECTS, GROUPS)),  # of the first value at the end of the step, free
+        ("defect", np.float64, (DEFECTS, GROUPS)),  # defect of the first end value, in free motion
         ("ends", np.float64, (GROUPS, VALUES, COLUMNS)),  # motion of the ends
         ("low_free", np.float64, (GROUPS, LOW, COLUMNS)),  # free motion of the modes that foreshortening couples
         ("low", np.float64, (GROUPS, LOW, COLUMNS)),  # motion of the coupled coordinates
-        ("gradient", np.float64, (2, LOW, FORMS, LANES)),  # of the forms by the coordinates of bending
+        ("gradient", np.float64, (2, LOW, FORMS, LANES)),  # gradients of the forms by the bending coordinates
         ("shortening", np.float64, (FORMS, COLUMNS)),  # values of the forms and their rates
-        ("tension", np.float64, (FORMS, LANES)),  # tension that works on the forms
+        ("tension", np.float64, (FORMS, LANES)),  # tension that does work on each form
     ]
 )
 
 
 class Panels(NamedTuple):
-    """Constants of D designs of panels, each with the same number of modes."""
+    """Constants of D panel designs with the same number of modes."""
 
     first: NDArray[np.int64]  # (GROUPS + 1,) first mode of each group
-    kept: NDArray[np.int64]  # (2,) number of bending modes that are kept; behind them come the pseudo-modes
+    kept: NDArray[np.int64]  # (2,) number of true bending modes; pseudo-modes come after them
     coupled: NDArray[np.int64]  # (GROUPS,) number of lowest modes that foreshortening couples
     damping: Array  # (D,) retardation time [s]
-    exact: float  # omega h up to which a damped mode is exact
+    exact: float  # greatest omega h of a damped mode with exact response
     frequency: Array  # (D, modes) natural frequencies [rad/s]
-    # (D, 2, LOW, LOW, FORMS) by coordinate of a bending group and of its partner: the same group for the odd forms, the
-    # other one for the even forms.
+    # (D, 2, LOW, LOW, FORMS) forms by coordinate of a bending group and of its partner: the same group for odd forms,
+    # the other group for even forms.
     forms: Array
-    shapes: Array  # (D, VALUES, modes) values of the first end by unit amplitude, see `beam_modes`
+    shapes: Array  # (D, VALUES, modes) first end's values at unit amplitude, see `beam_modes`
 
 
 class Tables(NamedTuple):
-    """Answers of D designs' modes, and of the groups' ends, to steps of L sizes (levels), in the order of their use."""
+    """Responses of modes and ends of D panel designs to steps of L sizes (levels), with fields in order of use."""
 
     answers: NDArray[np.void]  # (1,) scratch, of `answer_type`
     free: Array  # (D, L, modes, 2 COLUMNS) motion at the stages by start value and start rate, and DEFECT_LANES of both
@@ -175,7 +175,7 @@ class Tables(NamedTuple):
 
 
 def make_tables(panels: Panels, levels: int) -> Tables:
-    """Allocate tables for a number of step sizes."""
+    """Allocate response tables, filled with zeros, for a number of step sizes."""
     designs, modes = panels.frequency.shape
     shape = (designs, levels)
     return Tables(
@@ -189,16 +189,16 @@ def make_tables(panels: Panels, levels: int) -> Tables:
 
 @kernel
 def exact_coefficients(frequency, damping_rate, h, answer):
-    """Fill an `answer_type` for a mode that the step resolves: by its Taylor series, whose terms fall as 1/n!.
+    """Fill an `answer_type` with the exact response of a resolved mode, by a Taylor series whose terms fall as 1/n!.
 
-    Lanes are the cases: unit start value, start rate of 1/h, and loads of 1/h^2 at the stages.
+    Vectors have a lane for each cause: unit start value, start rate of 1/h, and loads of 1/h^2 at the stages.
     """
     square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
     first, second, largest = load8(_UNIT_VALUE, 0), load8(_UNIT_RATE, 0), 1.0
     rate0 = rate1 = rate2 = second
     value0, value1, value2 = first + NODES[0] * second, first + NODES[1] * second, first + second
     power0, power1 = NODES[0], NODES[1]
-    # The terms of the powers n and n + 1 give the term of n + 2.
+    # The terms of powers n and n + 1 give the term of power n + 2.
     for n in range(_TERMS):
         share = _SHARES[n]
         following = share * (-(damping * (n + 1)) * second - square * first)
@@ -228,7 +228,7 @@ def exact_coefficients(frequency, damping_rate, h, answer):
 
 @kernel
 def closed_coefficients(frequency, damping_rate, h, coefficients):
-    """Fill (COEFFICIENTS,) for an underdamped mode: free vibration about the particular solution of a load."""
+    """Fill (COEFFICIENTS,) exactly for an underdamped mode: free vibration about a load's particular solution."""
     square, inverse = frequency * frequency, 1.0 / h
     damped = math.sqrt(square - damping_rate * damping_rate)
     for s in range(STAGES):
@@ -240,7 +240,7 @@ def closed_coefficients(frequency, damping_rate, h, coefficients):
         coefficients[FROM_VALUE + s], coefficients[FROM_VALUE + LANES + s] = value_by_value, rate_by_value
         coefficients[FROM_RATE + s], coefficients[FROM_RATE + LANES + s] = value_by_rate, rate_by_rate
         for k in range(STAGES):
-            # The particular solution is a polynomial in the share, from its highest power down.
+            # The particular solution is a polynomial in the fraction, computed from the highest power down.
             held = held_rate = next_power = next_but_one = 0.0
             for down in range(STAGES):
                 p = LAST - down
@@ -257,7 +257,7 @@ def closed_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
-    """Fill (COEFFICIENTS,) as the Radau IIA method answers: by the accelerations at the stages, three equations."""
+    """Fill (COEFFICIENTS,) as the Radau IIA method moves a mode: solve three equations for the stage accelerations."""
     square, damping = frequency * frequency, 2.0 * damping_rate
     (a11, a12, a13), (a21, a22, a23), (a31, a32, a33) = A
     (b11, b12, b13), (b21, b22, b23), (b31, b32, b33) = B
@@ -287,7 +287,7 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel(inlined=False)
 def fill_answer(frequency, damping_rate, exact, h, answer):
-    """Fill an `answer_type` of a mode for a step `h` [s]; a damped one is exact for omega h up to `exact`."""
+    """Fill a mode's `answer_type` for a step `h` [s]; a damped mode's response is exact up to omega h = `exact`."""
     coefficients, phase = answer.coefficient, frequency * h
     for c in range(2 * DEFECTS):
         answer.defect[c] = 0.0
@@ -313,7 +313,7 @@ def fill_answer(frequency, damping_rate, exact, h, answer):
 
 @kernel
 def values_of(group):
-    """Return the number of end values of a group."""
+    """Return the number of end values of a mode group: two in bending, one in stretching."""
     return 2 if group < AXIAL_EVEN else 1
 
 
@@ -325,7 +325,7 @@ def side(end):
 
 @kernel
 def add_mode(shapes, frequency, answer, group, k, responses):
-    """Add the answer of mode `k` of a group to the responses of a step size."""
+    """Add the response of mode `k` of a group to the responses of the panel's ends."""
     for i in range(values_of(group)):
         for j in range(values_of(group)):
             product, row = shapes[i, k] * shapes[j, k], responses.response[group, i, j]
@@ -340,7 +340,7 @@ def add_mode(shapes, frequency, answer, group, k, responses):
 
 @kernel
 def join_groups(responses):
-    """Fill the motion of the ends by a load at one of them: even and odd groups together."""
+    """Fill the responses of both ends to a load at the first end, by joining even and odd mode groups."""
     for product, group, i, j in (
         (ALONG_ALONG, AXIAL_EVEN, 0, 0),
         (ACROSS_ACROSS, BENDING_EVEN, 0, 0),
@@ -357,7 +357,7 @@ def join_groups(responses):
 
 @kernel
 def keep_answer(tables, d, level, k, answer):
-    """Copy the answer of mode `k` to the tables."""
+    """Copy the response of mode `k` to a level of the tables of design `d`."""
     coefficients = answer.coefficient
     for c in range(2 * COLUMNS):
         tables.free[d, level, k, c] = coefficients[c]
@@ -396,7 +396,7 @@ def fill_level(panels, tables, level, h):
 
 @kernel
 def level_size(level):
-    """Return the step size [s] of a level."""
+    """Return the tabled step size [s] of a level."""
     return _SIZES[level]
 
 
@@ -410,7 +410,7 @@ def level_below(h):
 
 
 def filled_tables(panels: Panels) -> Tables:
-    """Return the tables for all tabled step sizes."""
+    """Return response tables of panels, filled for all tabled step sizes."""
     tables = make_tables(panels, LEVELS)
     for level in range(LEVELS):
         fill_level(panels, tables, level, level_size(level))

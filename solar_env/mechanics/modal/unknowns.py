@@ -1,7 +1,8 @@
-"""Unknown loads of a step, and how the joints' motion at the stages answers them.
+"""Unknown loads of a step, and their mobility: the motion at the stages that a unit of an unknown causes.
 
-A unit of an unknown loads the two bodies of its joint. By reciprocity, the same row of loads reads off the motion that
-the unknown works on: a joint angle, minus a depth, a sliding speed, a component of the relative velocity.
+A unit of an unknown loads the two bodies of its joint. By reciprocity, this unit load times the bodies' motion gives
+the motion on which the unknown does work: a joint angle, minus a depth, a sliding speed, or a relative velocity
+component.
 """
 
 import math
@@ -50,20 +51,20 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.vectors import joined, load4, load8, splat8, store8
 
-# Change of a torque by its own motion, divided by the torque, that converges at once without Newton's matrix.
+# Greatest relative change of a torque by its own motion with which iterations converge without Newton's matrix.
 _SOFT = 0.05
-# Velocity error of a load whose course is off at the start of a step, divided by the velocity that a constant load of
-# that size causes: at the stages the course is exact, and its integral over the step is of higher order.
+# Velocity error by a load's deviation from its polynomial at the start of a step, divided by the velocity that a
+# constant load of that size causes: at the stages the polynomial is exact, and its integral is of higher order.
 DEVIATION = 1.0 / 12.0
-# Least torque ratio of a cable loop that tells of errors at the inner wheel.
+# Least torque ratio of a cable loop in the tolerance for the inner wheel.
 _LEAST_RATIO = 1e-3
-# Step [s] below which the effect of a joint's loads on other joints is left to the iteration.
+# Step [s] below which Newton's matrix leaves out the effect of a joint's loads on other joints.
 _APART = 5e-4
 
 
 @kernel
 def effect_of_torque(model, tables, level, h, j):
-    """Return the greatest changes in a step per unit torque of a joint: angle [rad], velocity of its points [m/s]."""
+    """Return a step's greatest changes by a unit torque of joint `j`: angle [rad], velocity of its points [m/s]."""
     joint, angle, velocity = model.joints[j], 0.0, 0.0
     for face in range(2):
         attachment = model.attachments[joint.outboard if face == 0 else joint.inboard]
@@ -82,7 +83,7 @@ def effect_of_torque(model, tables, level, h, j):
 
 @kernel
 def list_unknown(model, work, r, kind, j, number):
-    """Enter unknown `r` of joint `j`, the load `number`; return the number of unknowns so far."""
+    """Enter load `number` of joint `j` as unknown `r`; return the number of unknowns so far."""
     unknown, joint = work.unknowns[r], model.joints[j]
     unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, j, number, 2
     unknown.attachment[0], unknown.attachment[1] = joint.outboard, joint.inboard
@@ -91,7 +92,7 @@ def list_unknown(model, work, r, kind, j, number):
 
 @kernel
 def list_loop(model, work, r, kind, c, number):
-    """Enter unknown `r` of cable loop `c`, the load `number`; return the number of unknowns so far."""
+    """Enter load `number` of cable loop `c` as unknown `r`; return the number of unknowns so far."""
     unknown = work.unknowns[r]
     unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, c, number, FACES
     for face in range(FACES):
@@ -101,9 +102,9 @@ def list_loop(model, work, r, kind, c, number):
 
 @kernel
 def list_rows(model, state, work, tables, level, h):
-    """List the unknowns, and set the tolerances of torques; return the number of unknowns.
+    """List the unknowns of a step, and set the tolerances of torques; return the number of unknowns.
 
-    A torque that a step hardly changes is not an unknown: it follows the motion from iteration to iteration.
+    A torque that a step hardly changes is not an unknown: every iteration evaluates it from the motion.
     """
     n = 0
     for j in range(model.joints.size):
@@ -136,7 +137,7 @@ def list_rows(model, state, work, tables, level, h):
 
 @kernel
 def mark_blocks(work, n, h):
-    """Enter the unknowns that Newton's matrix couples with each one: all, or in short steps one joint's unknowns."""
+    """Enter each unknown's block of Newton's matrix: all unknowns, or the unknowns of one joint in short steps."""
     apart = h < _APART
     for r in range(n):
         apart = apart and work.unknowns[r].faces < FACES and work.unknowns[r].kind < REACTION_X_ROW
@@ -155,7 +156,7 @@ def mark_blocks(work, n, h):
 
 @kernel
 def enter_load(model, work, number, fx, fy, torque, load):
-    """Enter a load on an attachment in its body's frame, with the directions of the last stage."""
+    """Write a force and a torque on an attachment to `load`, in its body's frame at the last stage."""
     turn, local = work.bodies[model.attachments[number].body].turn, work.attachments[number].local
     c, s = turn[0, LAST], turn[1, LAST]
     along, across = c * fx + s * fy, c * fy - s * fx
@@ -165,7 +166,7 @@ def enter_load(model, work, number, fx, fy, torque, load):
 
 @kernel
 def fill_unit_loads(model, work, n):
-    """Compute the unit loads of the unknowns in the frames of their bodies, as the last stage has them."""
+    """Compute the unit loads of all unknowns on their bodies, in the bodies' frames at the last stage."""
     for r in range(n):
         unknown = work.unknowns[r]
         if unknown.faces == FACES:
@@ -192,7 +193,7 @@ def fill_unit_loads(model, work, n):
 
 @kernel
 def add_scaled(sums, gain, motion):
-    """Add a multiple of a motion at the stages (BY_LOAD,) to three vectors, one for the load at each stage."""
+    """Add `gain` times a motion at the stages (BY_LOAD,) to `sums`, one vector for the load at each stage."""
     first, second, third = sums
     first, second = first + gain * load8(motion, 0), second + gain * load8(motion, COLUMNS)
     return first, second, third + gain * load8(motion, 2 * COLUMNS)
@@ -200,7 +201,7 @@ def add_scaled(sums, gain, motion):
 
 @kernel
 def add_shared(work, model, tables, level, number, reading, other, opposite, sums):
-    """Add to three vectors the motion read off at an attachment, by a unit of the `other` unknown at one of its own."""
+    """Add to `sums` the motion read off at an attachment, per unit of the `other` unknown at its face `opposite`."""
     attachment, loaded = model.attachments[number], model.attachments[other.attachment[opposite]]
     body, load = model.bodies[attachment.body], other.load[opposite]
     along, across = reading[0] * load[0], reading[1] * load[1]
@@ -219,7 +220,7 @@ def add_shared(work, model, tables, level, number, reading, other, opposite, sum
 
 @kernel
 def share_motion(model, work, tables, level, p, q, mutual):
-    """Fill the motion that unknown `p` reads off by a unit of unknown `q`, and if `mutual` the other way round.
+    """Fill the mobility: motion that unknown `p` reads off per unit of unknown `q` and, if `mutual`, the reverse.
 
     Only bodies that both unknowns load contribute.
     """
@@ -239,13 +240,13 @@ def share_motion(model, work, tables, level, p, q, mutual):
 
 @kernel
 def fill_mobility(model, work, tables, level, h, n):
-    """Compute the motion that each unknown works on by a unit of each other in its block, at the stages."""
+    """Compute the mobility of each unknown, per unit of each unknown in its block, at the stages."""
     fill_unit_loads(model, work, n)
     for k in range(STAGES):
         store8(work.rigid, COLUMNS * k, joined(h * h * load4(PLACE_BY_LOAD[k], 0), h * load4(VELOCITY_BY_LOAD[k], 0)))
     for p in range(n):
         for q in range(work.unknowns[p].first, work.unknowns[p].end):
-            # A cable loop that does not conserve energy reads off another motion than it works on.
+            # The mobility of a cable loop that does not conserve energy is not symmetric.
             mutual = work.unknowns[p].faces < FACES and work.unknowns[q].faces < FACES
             if q <= p or not mutual:
                 share_motion(model, work, tables, level, p, q, mutual)

@@ -1,5 +1,5 @@
-"""Compilation of kernels, and what all of them may use: linear algebra, and the control of step sizes.
+"""Compilation of kernels, and tools for all kernels: linear algebra, vectors, and control of step sizes.
 
-Imports nothing else of the package. Every kernel in the engine is decorated with `jit.kernel`, whose options say what
-a caller must know; its cache is keyed by all that the kernel's module imports.
+The package imports no other part of `mechanics`. Every kernel is decorated with `jit.kernel`, whose cache depends on
+all files that the kernel's module imports.
 """

@@ -1,4 +1,4 @@
-"""Calls of a compiled kernel by its address, so that a kernel which calls a long one does not compile it again."""
+"""Calls of compiled kernels by address, so that the callers of a long kernel do not compile it again."""
 
 from typing import Any
 
@@ -12,9 +12,9 @@ from numba.extending import intrinsic, overload
 
 
 def address_of(kernel: Any, *arguments: Any) -> int:
-    """Return the address of the code that a call from Python with such arguments runs, in this process; 0 uncompiled.
+    """Return the address in this process of a kernel's code for arguments of these types; 0 if compilation is disabled.
 
-    The code is compiled, or loaded, if it is not there yet.
+    The code is the same as for calls from Python. It is compiled or loaded if necessary.
     """
     if numba.config.DISABLE_JIT:
         return 0
@@ -25,7 +25,7 @@ def address_of(kernel: Any, *arguments: Any) -> int:
 
 
 def call_at(address: int, kernel: Any, *arguments: Any) -> Any:
-    """Call a kernel at its `address_of` arguments of the same types; from Python, call the kernel itself."""
+    """Call a kernel at its `address`, from `address_of` for the same argument types; in Python call `kernel` itself."""
     return kernel(*arguments)
 
 

@@ -1,6 +1,6 @@
-"""Choice of a kernel by the type of a named tuple, resolved in compiling.
+"""Choice of a kernel by the type of a named tuple, resolved at compile time.
 
-Kernels take no functions as arguments, and a choice at run time would have every branch compiled for every run.
+Kernels take no functions as arguments, and a choice at run time would compile every branch for every run.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,7 +12,7 @@ Row = TypeVar("Row")
 
 
 def chosen_by_type(table: Mapping[type, Row], pick: Callable[[Row], Any]) -> Callable[[Any], Any]:
-    """Return a function of a named tuple, in kernels and Python, that gives `pick` of its class's row in `table`."""
+    """Return a function that gives `pick(table[class])` for a named tuple's class, in kernels and in Python."""
 
     def find(value: Any) -> Any:
         return pick(table[type(value)])

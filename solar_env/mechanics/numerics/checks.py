@@ -1,4 +1,4 @@
-"""Refusal of bad parameters by a ValueError: one sentence with the owner, the quantity, its value and the rule."""
+"""Checks of parameters, each with a one-sentence ValueError that names the owner, quantity, value and rule."""
 
 import math
 from dataclasses import fields
@@ -8,7 +8,7 @@ MOST_POINTS = 24  # most points of a table
 
 
 def require(condition: bool, owner: object, name: str, value: object, rule: str) -> None:
-    """Check a rule about the quantity `name` of a description."""
+    """Raise a ValueError that states `rule` unless `condition` holds for the quantity `name` of a description."""
     if not condition:
         raise ValueError(f"{type(owner).__name__}.{name} = {value!r}: {rule}")
 
@@ -41,7 +41,7 @@ def require_finite(owner: object, *skip: str) -> None:
 
 
 def check_table(name: str, table: tuple[tuple[float, float], ...]) -> None:
-    """Check that a table of a torque over the angle has finite numbers, rising angles, and not too many points."""
+    """Check that a torque table (angle, torque) has finite numbers, rising angles, and at most MOST_POINTS points."""
     if len(table) > MOST_POINTS:
         raise ValueError(f"{name} has {len(table)} points; give at most {MOST_POINTS}")
     if not all(math.isfinite(number) for point in table for number in point):

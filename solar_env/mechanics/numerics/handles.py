@@ -1,7 +1,7 @@
 """Named tuples of arrays that a kernel takes from Python as one address.
 
-Numba unpacks other arguments array by array. For a mechanism's arrays that takes as long as some steps in every call,
-and the code that does it takes seconds to compile.
+Numba unpacks other arguments array by array. For a mechanism's arrays, unpacking takes as long as some steps in every
+call, and the unpacking code takes seconds to compile.
 """
 
 from typing import Any
@@ -15,11 +15,11 @@ from numba.extending import NativeValue, intrinsic, overload, register_model, un
 
 
 class Handle:
-    """A named tuple of arrays, of numbers and of such tuples, as kernels take it; they look into it by `arrays_of`.
+    """A nested named tuple of arrays and numbers in the form that kernels take; `arrays_of` returns the named tuple.
 
     Attributes:
         arrays: the named tuple.
-        address: of its description in memory.
+        address: memory address of the named tuple's description.
     """
 
     def __init__(self, arrays: Any) -> None:
@@ -31,14 +31,14 @@ class Handle:
         self._numba_type_ = _TYPES.get(tuple(form)) or _TYPES.setdefault(tuple(form), _HandleType(typeof(arrays)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Rebuild the handle in copies and pickles, whose arrays lie elsewhere."""
+        """Return the call that rebuilds the handle in a copy or pickle, whose arrays have other addresses."""
         return Handle, (self.arrays,)
 
 
 def _describe(entry: Any, words: list[int], form: list[Any]) -> None:
-    """Append an entry's members in Numba's structure, 8 bytes each, to `words`, and the parts of its type to `form`.
+    """Append an entry's members in Numba's memory layout, 8 bytes each, to `words`; append its type's parts to `form`.
 
-    An array has no owner in that structure.
+    The layout's field for the owner of an array stays zero.
     """
     if isinstance(entry, tuple):
         form += (type(entry), len(entry))
@@ -52,7 +52,7 @@ def _describe(entry: Any, words: list[int], form: list[Any]) -> None:
         words.append(int(np.array(entry, dtype=type(entry)).view(np.int64)))
 
 
-# Numba's `typeof` looks at arrays, of records at every field, for as long as some steps take.
+# Handle types by form: Numba's `typeof` reads all arrays and record fields, which takes as long as some steps.
 _TYPES: dict[tuple[Any, ...], "_HandleType"] = {}
 
 
@@ -78,7 +78,7 @@ def _unbox(kind: _HandleType, handle: Any, c: Any) -> NativeValue:
     return NativeValue(pointer)
 
 
-# Not inlined by Numba, which would remove writes to the arrays as dead.
+# LLVM inlines the function: Numba's own inlining would remove writes to the arrays as dead code.
 @overload(arrays_of, jit_options={"forceinline": True, "_nrt": False})
 def _compiled_arrays(handle):
     return lambda handle: _loaded(handle)
@@ -87,7 +87,7 @@ def _compiled_arrays(handle):
 @intrinsic
 def _loaded(typing_context: Any, handle: Any) -> tuple[Signature, Any]:
     def load(builder: ir.IRBuilder, pointer: ir.Value) -> ir.Value:
-        """Load member by member, so that unused members vanish."""
+        """Load a structure member by member, so that the compiler can remove unused members."""
         kind = pointer.type.pointee
         if not isinstance(kind, (ir.LiteralStructType, ir.ArrayType)):
             return builder.load(pointer)

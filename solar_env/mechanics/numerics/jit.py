@@ -1,8 +1,8 @@
-"""The project's kernels: compiled by Numba with an on-disk cache that cannot go stale.
+"""Compilation of the project's kernels by Numba, with an on-disk cache that cannot go stale.
 
-Numba's cache notices an edit of the file that holds a function, but not of the files whose functions it
-calls; cached callers would go on running the old code. Here the cache folder of a kernel carries a hash of its source
-file and of every file of the package that this imports, so that any edit compiles afresh what depends on it.
+Numba's own cache notices an edit of a function's file, but not of the files whose functions are called: cached callers
+would go on running the old code. Here a kernel's cache folder is named by a hash of the kernel's source file and of
+every package file that it imports. Any edit therefore recompiles all kernels that depend on the edited file.
 """
 
 import hashlib
@@ -27,7 +27,7 @@ _PACKAGE = Path(__file__).resolve().parents[2]
 
 @cache
 def imported_files(path: Path) -> tuple[Path, ...]:
-    """Return the files of the package that a file of it imports, by its lines `from solar_env... import ...`."""
+    """Return the package files that a source file imports directly, from its lines `from solar_env... import ...`."""
     lines = rf"^ *from {_PACKAGE.name}\.([\w.]+) import (\([^)]*\)|.*)$"
     files = []
     for module, names in re.findall(lines, path.read_text(encoding="utf-8"), re.MULTILINE):
@@ -40,7 +40,7 @@ def imported_files(path: Path) -> tuple[Path, ...]:
 
 
 def kernel_sources(path: Path) -> list[Path]:
-    """Return a file and all it imports from the package, directly or not: constants and array types are compiled in."""
+    """Return a file and all package files that it imports, directly or not: kernels compile in constants and types."""
     found, waiting = set(), [path]
     while waiting:
         source = waiting.pop()
@@ -54,7 +54,7 @@ def private_folder(path: Path) -> Path:
     """Make a folder that only this user can write, or check an existing one.
 
     Raises:
-        OSError: if it cannot be made or written, or others can write there: the cache's code is executed.
+        OSError: if the folder cannot be made or written, or others can write to it: the cache's code is executed.
     """
     path.mkdir(mode=0o700, parents=True, exist_ok=True)
     if not os.access(path, os.W_OK):
@@ -72,7 +72,7 @@ def cache_root() -> Path:
     """Return the compiled kernels' folder: `NUMBA_CACHE_DIR`, the user's cache folder, or one in the temporary folder.
 
     Raises:
-        OSError: if no folder can be made, or others can write there.
+        OSError: if no folder can be made, or others can write to it.
     """
     chosen = Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("solar_env", appauthor=False))
     owner = f"-{os.getuid()}" if hasattr(os, "getuid") else ""
@@ -89,10 +89,10 @@ def cache_root() -> Path:
 
 @cache
 def cache_folder(path: Path) -> str:
-    """Return the folder of the compiled kernels of a source file.
+    """Return the cache folder for a source file's compiled kernels, named by a hash of all sources.
 
     Raises:
-        OSError: as `cache_root`.
+        OSError: as in `cache_root`.
     """
     digest = hashlib.sha256()
     for source in kernel_sources(path):
@@ -103,10 +103,10 @@ def cache_folder(path: Path) -> str:
 
 
 class KernelCache(FunctionCache):
-    """Numba's cache of a function that loads nothing damaged, and whose failures to write end no run.
+    """Numba's cache of a function, changed to ignore damaged files, and to warn if it cannot write a file.
 
-    Its folder is Numba's setting `CACHE_DIR`, whose name identifies the sources of the kernels, whatever the place and
-    time of the source file.
+    The folder is Numba's setting `CACHE_DIR`. Its name identifies the contents of the kernels' sources, independently
+    of the source file's path and time.
     """
 
     def __init__(self, function: Any) -> None:
@@ -124,7 +124,7 @@ class KernelCache(FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep the compiled code, if it can be written."""
+        """Write the compiled code to the cache; warn if it cannot be written."""
         try:
             super().save_overload(sig, data)
         except Exception as error:  # a full disk, or an index that is damaged
@@ -132,9 +132,9 @@ class KernelCache(FunctionCache):
 
 
 class Kernel(CPUDispatcher):
-    """A compiled function with two faces: for other kernels, code that is linked into theirs; for Python, a function.
+    """A compiled function in two forms: code that is linked into other kernels, and a function to call from Python.
 
-    Each is compiled when it is first asked for, and only the second is kept on disk.
+    Each form is compiled at the first use; only the Python form is kept on disk.
     """
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
@@ -151,13 +151,13 @@ class Kernel(CPUDispatcher):
 def kernel(function: Callable[..., Any] | None = None, *, inlined: bool = True) -> Any:
     """Compile a function in nopython mode, without the interpreter lock, cached under the hash of its sources.
 
-    It may not allocate. In exchange it does no reference counting, which would otherwise cost two atomic operations for
+    The kernel may not allocate memory. In exchange it counts no references, which would cost two atomic operations for
     every field taken out of a tuple of arrays: more than half of the run time of small mechanisms.
 
     Args:
-        function: to compile; left out where the decorator has options.
-        inlined: LLVM replaces every call by a kernel with the code, which spares passing tuples of arrays. Long kernels
-            that several others call, or that are called seldom, compile faster where LLVM is left to decide.
+        function: function to compile; left out if the decorator has options.
+        inlined: whether LLVM must inline every call by another kernel, which spares passing tuples of arrays. Long
+            kernels with several callers or few calls compile faster if LLVM decides.
     """
     if function is None:
         return partial(kernel, inlined=inlined)
@@ -169,8 +169,8 @@ def kernel(function: Callable[..., Any] | None = None, *, inlined: bool = True) 
         "fastmath": {"contract"},
         "no_cfunc_wrapper": True,
         "_nrt": False,
-        # Always named: otherwise a kernel takes it from the caller that happens to be compiled first, and what a run
-        # computes would depend on that in its last bits.
+        # Always set: otherwise a kernel takes the option from the caller that happens to be compiled first, and the
+        # last bits of a run's results would depend on the order of compilation.
         "forceinline": inlined,
     }
     previous = numba.config.CACHE_DIR

@@ -8,18 +8,18 @@ from solar_env.mechanics.numerics.vectors import load4, splat4, sum_lanes
 
 @kernel
 def greater(one, other):
-    """Return the greater of two numbers, or NaN if one of them is."""
+    """Return the greater of two numbers, or NaN if one of them is NaN."""
     return one if one >= other or one != one else other
 
 
 @kernel
 def greatest(values):
-    """Return the greatest of numbers that are not negative, or NaN if one of them is."""
+    """Return the greatest number of a vector without negative numbers, or NaN if one of them is NaN."""
     worst = 0.0
     for i in range(values.size):
         if not values[i] <= worst:
             worst = values[i]
-            # In a branch that is hardly ever taken: another comparison for every number would take longer.
+            # The test for NaN is in a branch that is seldom taken: a test of every number would take longer.
             if worst != worst:
                 break
     return worst
@@ -39,16 +39,16 @@ def all_finite(values):
 
 @kernel
 def copy_into(target, source):
-    """Copy a vector; in a hot loop several times cheaper than a slice assignment."""
+    """Copy a vector into `target`; in a hot loop the copy is several times cheaper than a slice assignment."""
     for i in range(target.size):
         target[i] = source[i]
 
 
 @kernel
 def cholesky_factor(a, n):
-    """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular.
+    """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; return False if singular.
 
-    The diagonal is kept inverted: divisions would take most of the time of small systems.
+    The factor's diagonal is stored inverted: divisions would take most of the time of small systems.
     """
     for i in range(n):
         for j in range(i):
@@ -83,9 +83,9 @@ def cholesky_solve(a, n, b):
 
 @kernel(inlined=False)
 def lu_factor(a, n):
-    """Factor a[:n, :n], whose symmetric part is positive definite, in place without pivoting; False if it is not.
+    """Factor a[:n, :n], whose symmetric part must be positive definite, in place without pivoting; False if it is not.
 
-    The diagonal is kept inverted. Two columns are eliminated at a time, which halves the reading and writing of rows.
+    The diagonal is stored inverted. Two columns are eliminated at a time, which halves the reading and writing of rows.
     """
     for k in range(0, n, 2):
         if not a[k, k] > 0.0:

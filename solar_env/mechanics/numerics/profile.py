@@ -1,13 +1,13 @@
-"""Sparse direct solution of Newton's equations: block triangular factors within the profile of the matrix.
+"""Sparse direct solver for Newton's equations, with block triangular factors within the matrix profile.
 
 The unknowns are eliminated along the chain of bodies, node by node, every multiplier right after the last coordinate
 that it acts on. In this order the profile (A. George and J. W. H. Liu, Computer Solution of Large Sparse Positive
-Definite Systems, Prentice-Hall 1981, chapter 4) is narrow, so that work and storage grow linearly with the number of
-elements and bodies, and no pivot needs to be exchanged: what precedes a multiplier is the positive definite matrix of
-the bodies that it holds together, which makes its own pivot negative.
+Definite Systems, Prentice-Hall 1981, chapter 4) is narrow: work and storage grow linearly with the number of elements
+and bodies. Pivots need no exchange, since the positive definite matrix of the bodies that a multiplier joins precedes
+the multiplier and makes its pivot negative.
 
-Places come in blocks of four, the coordinates of a node: products of 4 x 4 blocks keep the processor's vector registers
-filled. Places without an unknown fill the blocks of multipliers up.
+Positions in the order come in blocks of four, the coordinates of a node: products of 4 x 4 blocks keep the processor's
+vector registers filled. Empty positions, which have no unknown, fill up the blocks of multipliers.
 """
 
 import math
@@ -20,15 +20,15 @@ from solar_env.mechanics.numerics.jit import kernel
 
 BLOCK = 4
 _ENTRIES = BLOCK * BLOCK
-# Block and entry of a place without a division.
+# Shift and mask that give a position's block, and its entry in the block, without a division.
 _SHIFT, _REST = 2, 3
 
 
 class Elimination(NamedTuple):
-    """Order of the unknowns (coordinates, multipliers of rows, multipliers of lengths) and the profile."""
+    """Elimination order of the unknowns (coordinates, row multipliers, length multipliers), and the matrix profile."""
 
-    position: NDArray[np.int64]  # (unknowns,) place in the order; -1 for held unknowns
-    empty: NDArray[np.int64]  # places without an unknown
+    position: NDArray[np.int64]  # (unknowns,) position in the order; -1 for held unknowns
+    empty: NDArray[np.int64]  # positions without an unknown
     first: NDArray[np.int64]  # (blocks,) first block in the profile of each row of blocks
     base: NDArray[np.int64]  # (blocks,) the number of block (row, column) is base[row] + column
 
@@ -42,7 +42,7 @@ class ProfileMatrix(NamedTuple):
 
 
 def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int]]) -> Elimination:
-    """Return the profile for an order of elimination, which may leave places empty, and pairs of coupled unknowns."""
+    """Return the elimination data for given positions, which may leave gaps, and for pairs of coupled unknowns."""
     blocks = int(position.max()) // BLOCK + 1 if position.size else 0
     first = np.arange(blocks)
     places = np.sort(position[np.array(couplings, dtype=np.int64).reshape(-1, 2)], axis=1)
@@ -58,7 +58,7 @@ def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int
 
 
 def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
-    """Allocate a matrix of zeros, see `clear`."""
+    """Allocate a profile matrix, and initialize it by `clear`."""
     blocks = elimination.first.size
     size = int((np.arange(blocks) - elimination.first).sum())
     matrix = ProfileMatrix(np.zeros((size, _ENTRIES)), np.zeros((size, _ENTRIES)), np.zeros((blocks, _ENTRIES)))
@@ -68,7 +68,7 @@ def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
 
 @kernel(inlined=False)
 def clear(elimination, matrix):
-    """Set all entries to zero, and the diagonal entries of empty places to one."""
+    """Set all entries of a profile matrix to zero, and the diagonal entries of empty positions to one."""
     for array in (matrix.lower, matrix.upper, matrix.diagonal):
         for i in range(array.shape[0]):
             for k in range(_ENTRIES):
@@ -79,7 +79,7 @@ def clear(elimination, matrix):
 
 @kernel
 def add_entry(elimination, matrix, i, j, value):
-    """Add to the entry of the unknowns `i` (row) and `j` (column); nothing if one of them is held."""
+    """Add `value` to the entry of unknowns `i` (row) and `j` (column); do nothing if one of the unknowns is held."""
     place, other = elimination.position[i], elimination.position[j]
     if place < 0 or other < 0:
         return
@@ -94,7 +94,7 @@ def add_entry(elimination, matrix, i, j, value):
 
 
 def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64]:
-    """Return the matrix by unknowns, with zero rows and columns for held unknowns."""
+    """Return a profile matrix as a dense array by unknowns, with zero rows and columns for held unknowns."""
     unknowns, blocks = elimination.position.size, elimination.first.size
     lower, upper, diagonal = (array.reshape(-1, BLOCK, BLOCK) for array in matrix)
     ordered = np.zeros((blocks, blocks, BLOCK, BLOCK))
@@ -112,30 +112,30 @@ def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64
 
 @kernel
 def enter(x, place, value):
-    """Set the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
+    """Set the entry of a vector (blocks, BLOCK) at a position; do nothing at the position -1 of held unknowns."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] = value
 
 
 @kernel
 def add_to(x, place, value):
-    """Add to the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
+    """Add to the entry of a vector (blocks, BLOCK) at a position; do nothing at the position -1 of held unknowns."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] += value
 
 
 @kernel
 def taken(x, place):
-    """Return the entry of a vector (blocks, BLOCK); zero if the unknown is held."""
+    """Return the entry of a vector (blocks, BLOCK) at a position, or zero at the position -1 of held unknowns."""
     return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
 
 
-# Blocks are handed on as views: that their indices are constants tells the compiler that no entry overlaps another.
+# Blocks are passed as views: from the constant indices, the compiler knows that the entries do not overlap.
 
 
 @kernel
 def _subtract_product(out, left, right):
-    """Subtract left^T right from `out`, all row by row."""
+    """Subtract left^T right from the block `out`; all three blocks are stored row by row."""
     for i in range(BLOCK):
         a, b, c, d = left[i], left[4 + i], left[8 + i], left[12 + i]
         y0 = out[4 * i] - a * right[0] - b * right[4] - c * right[8] - d * right[12]
@@ -147,7 +147,7 @@ def _subtract_product(out, left, right):
 
 @kernel
 def _scale(block, inverse):
-    """Replace the block B, column by column, by B times `inverse`."""
+    """Replace the block B, which is stored column by column, by B times `inverse`."""
     for i in range(BLOCK):
         b0, b1, b2, b3 = block[i], block[4 + i], block[8 + i], block[12 + i]
         y0 = b0 * inverse[0] + b1 * inverse[4] + b2 * inverse[8] + b3 * inverse[12]
@@ -161,7 +161,7 @@ def _scale(block, inverse):
 def _invert(block, s0, s1, s2, s3):
     """Invert a block in place without exchange of pivots.
 
-    Return False if a pivot is not finite, or has lost all its digits: it is tiny beside its original entry `s0` ...
+    Return False if a pivot is not finite, or has lost all digits: it is tiny beside its original entry, `s0` to `s3`.
     """
     sizes = (s0, s1, s2, s3)
     for p in range(BLOCK):
@@ -188,7 +188,7 @@ def _invert(block, s0, s1, s2, s3):
 def profile_factor(elimination, matrix):
     """Factor a matrix in place into a unit lower and an upper block triangle; False if a pivot is zero or not finite.
 
-    The inverses of the blocks on the diagonal are kept there.
+    The diagonal blocks are replaced by their inverses.
     """
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
@@ -210,7 +210,7 @@ def profile_factor(elimination, matrix):
 
 @kernel
 def _times(block, x0, x1, x2, x3):
-    """Return a block, row by row, times a vector."""
+    """Return the product of a block, stored row by row, and a vector."""
     return (
         block[0] * x0 + block[1] * x1 + block[2] * x2 + block[3] * x3,
         block[4] * x0 + block[5] * x1 + block[6] * x2 + block[7] * x3,
@@ -221,7 +221,7 @@ def _times(block, x0, x1, x2, x3):
 
 @kernel
 def _transposed_times(block, x):
-    """Return a block, column by column, times a vector (BLOCK,)."""
+    """Return the product of a block, stored column by column, and a vector (BLOCK,)."""
     a, b, c, d = x[0], x[1], x[2], x[3]
     return (
         block[0] * a + block[4] * b + block[8] * c + block[12] * d,
@@ -258,7 +258,7 @@ def profile_solve(elimination, matrix, b):
 
 @kernel(inlined=False)
 def profile_product(elimination, matrix, x, out):
-    """Write the matrix times `x` to `out`, both (blocks, BLOCK) in the order of elimination."""
+    """Write a profile matrix times `x` to `out`, both (blocks, BLOCK) in the order of elimination."""
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):

@@ -1,8 +1,8 @@
-"""Vectors of four and eight doubles as values inside kernels, which stay in the processor's registers.
+"""Vectors of four or eight doubles as values inside kernels, which keep them in the processor's registers.
 
-Numba adds up in strict order and must assume that arrays overlap, so that it seldom vectorizes short loops. Where a
-loop runs over the stages of a step, its passes are lanes of a vector instead: `x = load8(row, 0) * 2.0 + splat8(y)`.
-Without the compiler the same expressions act on NumPy's arrays.
+Numba adds up in strict order and must assume that arrays overlap, so that it seldom vectorizes short loops. Loops over
+the stages of a step use vectors instead, with one lane per stage: `x = load8(row, 0) * 2.0 + splat8(y)`. Without the
+compiler the same expressions act on NumPy arrays.
 """
 
 import operator
@@ -19,7 +19,7 @@ _INDEX = ir.IntType(32)
 
 
 class Vector(types.Type):
-    """Numba's type of a vector of doubles."""
+    """Numba type of a vector of four or eight doubles."""
 
     def __init__(self, width: int) -> None:
         self.width = width
@@ -28,7 +28,7 @@ class Vector(types.Type):
 
 @register_model(Vector)
 class VectorModel(models.PrimitiveModel):
-    """LLVM's vector type for `Vector`."""
+    """Numba's data model of a `Vector`: LLVM's vector type."""
 
     def __init__(self, manager: Any, kind: Vector) -> None:
         super().__init__(manager, kind, ir.VectorType(ir.DoubleType(), kind.width))
@@ -38,7 +38,7 @@ VECTORS = {width: Vector(width) for width in (4, 8)}
 
 
 def _widened(builder: Any, kind: Any, value: Any, width: int) -> Any:
-    """Return a vector as it is; a number in every lane of one."""
+    """Return a vector unchanged, or a number as a vector with the number in every lane."""
     if isinstance(kind, Vector):
         return value
     if isinstance(kind, types.Integer):
@@ -49,18 +49,18 @@ def _widened(builder: Any, kind: Any, value: Any, width: int) -> Any:
 
 
 def _typed(function: Callable[..., Any], result: Callable[..., Any]) -> None:
-    """Tell the compiler the type of a function's result by the types of its arguments."""
+    """Register with the compiler the `result` type of a function, as a function of the argument types."""
     type_callable(function)(lambda context: result)
 
 
 def _place(context: Any, builder: Any, kind: Any, array: Any, first: Any, width: int) -> Any:
-    """Return the pointer to a vector in a contiguous array of numbers."""
+    """Return a pointer to the vector that begins at index `first` of a contiguous array of numbers."""
     data = context.make_array(kind)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [first]), ir.VectorType(ir.DoubleType(), width).as_pointer())
 
 
 def _width(width: int) -> tuple[Callable[..., Any], Callable[..., Any], Callable[..., Any]]:
-    """Make `load`, `store` and `splat` for vectors of a width."""
+    """Make the functions `load`, `store` and `splat` for vectors with `width` lanes."""
 
     def load(array: Any, first: int) -> Any:
         return array[first : first + width].copy()
@@ -71,7 +71,7 @@ def _width(width: int) -> tuple[Callable[..., Any], Callable[..., Any], Callable
     def splat(number: float) -> Any:
         return np.full(width, float(number))
 
-    # The array must be contiguous, which its type does not always tell.
+    # The array must be contiguous; the array's type does not always tell whether it is.
     _typed(load, lambda array, first: VECTORS[width])
     _typed(store, lambda array, first, vector: types.none)
     _typed(splat, lambda number: VECTORS[width])
@@ -97,7 +97,7 @@ load8, store8, splat8 = _width(8)
 
 
 def lane(vector: Any, number: int) -> Any:
-    """Return the number in a lane."""
+    """Return the number in lane `number` of a vector."""
     return vector[number]
 
 
@@ -110,7 +110,7 @@ def _lane(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def sum_lanes(vector: Any) -> Any:
-    """Return the sum of all lanes, or a number as it is."""
+    """Return the sum of a vector's lanes; return a number unchanged."""
     return np.sum(vector)
 
 
@@ -131,7 +131,7 @@ def _sum_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def third_repeated(vector: Any) -> Any:
-    """Return eight lanes of which the fourth repeats the third, and the last the one before it."""
+    """Return a vector of eight lanes with the fourth replaced by the third, and the eighth by the seventh."""
     return vector[[0, 1, 2, 2, 4, 5, 6, 6]]
 
 
@@ -145,12 +145,12 @@ def _third_repeated(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def lower_half(vector: Any) -> Any:
-    """Return the first four lanes of eight."""
+    """Return the first four lanes of a vector of eight."""
     return vector[:4].copy()
 
 
 def upper_half(vector: Any) -> Any:
-    """Return the last four lanes of eight."""
+    """Return the last four lanes of a vector of eight."""
     return vector[4:].copy()
 
 
@@ -164,7 +164,7 @@ for _half, _first in ((lower_half, 0), (upper_half, 4)):
 
 
 def joined(lower: Any, upper: Any) -> Any:
-    """Return two vectors of four lanes as one of eight."""
+    """Return one vector of eight lanes, joined from two vectors of four."""
     return np.concatenate([lower, upper])
 
 
@@ -177,7 +177,7 @@ def _joined(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _call(builder: Any, name: str, result: Any, args: Any) -> Any:
-    """Call one of LLVM's functions of numbers, or of vectors lane by lane."""
+    """Call LLVM's function `name` on numbers, or on vectors lane by lane."""
     kinds = [value.type for value in args]
     suffix = f"v{result.width}f64" if isinstance(result, Vector) else "f64"
     function = ir.FunctionType(kinds[0], kinds)
@@ -185,7 +185,7 @@ def _call(builder: Any, name: str, result: Any, args: Any) -> Any:
 
 
 def square_roots(vector: Any) -> Any:
-    """Return the square root of a number, or of every lane."""
+    """Return the square root of a number, or of every lane of a vector."""
     return np.sqrt(vector)
 
 
@@ -199,12 +199,12 @@ def _square_roots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def cube_roots(vector: Any) -> Any:
-    """Return the cube root of every lane, which must not be negative."""
+    """Return the cube root of every lane of a vector, whose lanes must not be negative."""
     return np.cbrt(vector)
 
 
 _typed(cube_roots, lambda vector: vector)
-# The high half of a double's bits divided by three, plus this, is its cube root's high half to 5 % (W. Kahan and
+# The high half of a double's bits divided by three, plus this number, is its cube root's high half to 5 % (W. Kahan and
 # K. C. Ng's approximation, in the C library of FreeBSD: s_cbrt.c).
 _THIRD_OF_BIAS = 715094163
 
@@ -221,7 +221,7 @@ def _cube_roots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     third = builder.udiv(builder.trunc(high, halves), repeated(halves, 3))
     near = builder.zext(builder.add(third, repeated(halves, _THIRD_OF_BIAS)), wholes)
     root = builder.bitcast(builder.shl(near, repeated(wholes, 32)), vector.type)
-    # E. Halley's iteration: each one leaves less than the error's cube.
+    # E. Halley's iteration: each pass leaves less than the cube of the error.
     for _ in range(3):
         cube = builder.fmul(root, builder.fmul(root, root))
         above = builder.fadd(cube, builder.fadd(vector, vector))
@@ -230,12 +230,12 @@ def _cube_roots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def where_less(one: Any, other: Any, chosen: Any, otherwise: Any) -> Any:
-    """Return `chosen` where `one` is less than the `other`, and `otherwise` elsewhere: lane by lane, or numbers."""
+    """Return `chosen` where `one` is less than `other`, and `otherwise` elsewhere, for numbers or lane by lane."""
     return np.where(one < other, chosen, otherwise)
 
 
 def _wider(*kinds: Any) -> Any:
-    """Return the type of the result of numbers and vectors together."""
+    """Return the result type of an operation: the vector type if one operand is a vector, else a double."""
     return next((kind for kind in kinds if isinstance(kind, Vector)), types.float64)
 
 
@@ -257,7 +257,7 @@ class _Power(AbstractTemplate):
 
 @lower_builtin(operator.pow, Vector, types.Float)
 def _raised(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    # Not LLVM's own function, which it takes to be cheap: it would raise to powers on both sides of a branch.
+    # Not LLVM's own function: LLVM takes that to be cheap and would raise to powers on both sides of a branch.
     number = ir.DoubleType()
     function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(number, [number] * 2), "pow")
     vector = args[0]
@@ -286,7 +286,7 @@ def _magnitude(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
-    """Teach the compiler an operation on vectors, and on a vector and a number."""
+    """Register with the compiler an arithmetic operation on two vectors, and on a vector and a number."""
 
     @infer_global(operation)
     class Template(AbstractTemplate):

@@ -1,5 +1,5 @@
-"""Memory of a run, whatever its method: samples and contacts, latches, wear and peak forces.
+"""Records of a run by any method: samples and contacts, latches, wear and peak forces.
 
-Imports the equations and the rooms below them. `recording` has the tables that a caller asks for, `history` the books
-of accepted steps.
+The package imports `equations` and the packages below it. `recording` has the tables that a caller requests; `history`
+updates contacts, latches, wear and peak forces on accepted steps.
 """

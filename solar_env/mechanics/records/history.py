@@ -1,4 +1,4 @@
-"""Contacts, latches, wear and peak forces of a mechanism, booked on accepted steps only."""
+"""Contacts, latches, wear and peak forces of a mechanism, updated on accepted steps only."""
 
 import math
 
@@ -8,13 +8,13 @@ from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import record_contact
 
-# A contact counts as an impact, to be resolved by shorter steps, for this many predicted durations.
+# Number of predicted durations for which a contact counts as an impact, which shorter steps resolve.
 IMPACT_DURATIONS = 2.0
 
 
 @kernel
 def end_contact(state, j, time, recorder):
-    """Close the contact of joint `j` and record it."""
+    """End the contact of joint `j` at a time [s], and record it."""
     joint_state = state.joints[j]
     record_contact(recorder, j, joint_state, state.integrals, time)
     joint_state.in_contact = 0
@@ -23,7 +23,7 @@ def end_contact(state, j, time, recorder):
 
 @kernel
 def note_force(joint_state, force, postlock):
-    """Raise a joint's running maxima to a force [N]."""
+    """Raise those force maxima of a joint that a `force` [N] exceeds, with the post-lock maximum if `postlock`."""
     joint_state.contact_peak = max(joint_state.contact_peak, force)
     joint_state.peak_force = max(joint_state.peak_force, force)
     joint_state.recent_peak_force = max(joint_state.recent_peak_force, force)
@@ -33,7 +33,7 @@ def note_force(joint_state, force, postlock):
 
 @kernel(inlined=False)
 def latch(joints, state, j, time):
-    """Latch joint `j` for good, at a time [s].
+    """Latch joint `j` for good at a `time` [s], which also sets the release times of joints that wait for it.
 
     The first latching starts the post-lock record of every joint.
     """
@@ -52,9 +52,9 @@ def latch(joints, state, j, time):
 
 @kernel
 def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
-    """Wear both surfaces of joint `j` by the sliding work [J] of one accepted step.
+    """Add the wear by the sliding work [J] of one accepted step to both surfaces of joint `j`.
 
-    The line of centres has moved along an arc of each surface, in the frame of its body: middle and half [rad].
+    `journal` and `bearing` are arcs in the bodies' frames that the line of centres moved along: middle and half [rad].
     """
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
     worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width
@@ -65,7 +65,7 @@ def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
 
 @kernel
 def note_latch_torque(joint, joint_state, angle, rate):
-    """Note the rate of an angle [rad/s] at its latching, and the greatest torque of the latch since."""
+    """Record a joint's `rate` [rad/s] at its latching, and the greatest latch torque since then."""
     if joint_state.latched:
         if math.isnan(joint_state.latch_rate):
             joint_state.latch_rate = rate
@@ -75,17 +75,17 @@ def note_latch_torque(joint, joint_state, angle, rate):
 
 @kernel
 def release_stop(joint, joint_state, angle, rate):
-    """Disengage an engaged stop if it has opened."""
+    """Disengage a joint's stop once the joint has moved off the stop's face."""
     if joint_state.held or (joint_state.latched and joint.stop_gap == 0.0 and not joint.one_sided):
-        return  # the two faces are one, on which the joint stays
+        return  # the stop's two faces coincide, and the joint stays on them
     depth, sign = stop_depth(joint, joint_state, angle)
-    # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
+    # Exactly on its face a stop stays engaged unless it opens; otherwise the same engagement would be found for ever.
     joint_state.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * rate <= 0.0)
 
 
 @kernel
 def next_release(state, end):
-    """Return the earliest time [s] up to `end` at which a hold-down lets go of its joint, else `end`."""
+    """Return the earliest time [s] at which a hold-down releases its joint, or `end` if that is earlier."""
     for j in range(state.joints.size):
         if state.joints[j].held:
             end = min(end, state.joints[j].release_time)
@@ -94,7 +94,7 @@ def next_release(state, end):
 
 @kernel(inlined=False)
 def release_joints(model, state, motion):
-    """Let go of the joints whose time has come, and lose their hold-downs' energy; return whether there are any."""
+    """Release joints whose release time has come; their hold-downs' energy is lost. Return whether any was released."""
     released = False
     for j in range(state.joints.size):
         joint_state = state.joints[j]
@@ -109,20 +109,20 @@ def release_joints(model, state, motion):
 @kernel
 def has_parted(joint_state, time, depth, rate):
     """Return whether surfaces in contact have parted by `time` [s], at a `depth` [m] and its `rate` [m/s]."""
-    # A contact that has begun just now, on the very wall, may not end at once: time would stand still.
+    # A contact that has begun just now, exactly on the wall, may not end at once: time would stand still.
     return depth <= 0.0 and rate < 0.0 and joint_state.contact_start < time
 
 
 @kernel
 def parting_time(start, end, start_depth, depth):
-    """Return the linear estimate of when surfaces parted inside the step from `start` to `end` [s]."""
+    """Return the time [s] at which surfaces parted in the step from `start` to `end` [s], linear in the depth."""
     share = start_depth / (start_depth - depth) if start_depth > 0.0 else 1.0
     return start + share * (end - start)
 
 
 @kernel
 def step_limit(state, settings):
-    """Return the greatest step [s] that the last error, the settings and the resolution of impacts under way allow."""
+    """Return the greatest step [s] that the last error, the settings and present impacts allow."""
     joint_states, time = state.joints, state.clock[0].time
     limit = min(state.clock[0].step_size, settings.max_step)
     for j in range(joint_states.size):
@@ -137,7 +137,7 @@ def step_limit(state, settings):
 
 @kernel
 def fail(state, status, joint, value):
-    """Note where and why a call stops; return the status."""
+    """Record the joint and the value that stop a call; return the status code."""
     state.clock[0].failure_joint = joint
     state.clock[0].failure_value = value
     return status
@@ -145,10 +145,10 @@ def fail(state, status, joint, value):
 
 @kernel
 def check_joint(joint, state, j, depth, angle):
-    """Check the depth of joint `j`'s contact [m] and its angle [rad]; return a status code."""
+    """Check that contact depth [m] and angle [rad] of joint `j` are in their ranges; return a status code."""
     if joint.kind == m.CLEARANCE and state.joints[j].in_contact and depth > joint.journal_radius:
         return fail(state, m.CONTACT_TOO_DEEP, j, depth)
     if joint.angle_limited and abs(angle - joint.middle) > 0.95 * math.pi:
-        # The angle nears the branch cut of its measurement.
+        # The angle nears the branch cut of the arctangent that measures it.
         return fail(state, m.JOINT_ANGLE_RANGE, j, angle)
     return m.DONE

@@ -1,4 +1,4 @@
-"""Record of a run: samples at requested times and one line for every contact. Both are optional."""
+"""Recorder of a run: samples at requested times, and one row for every contact. Both are optional."""
 
 import math
 from typing import NamedTuple
@@ -16,13 +16,13 @@ CONTACT_FIELDS = ("joint", "start_s", "end_s", "impact_speed", "peak_force", "im
 
 
 class Recorder(NamedTuple):
-    """Sample times with the table they fill, and the table of contacts."""
+    """Sample times, table of samples, and table of contacts."""
 
     times: NDArray[np.float64]  # (samples,), ascending
     samples: NDArray[np.float64]  # (samples, columns), see `sample_columns`
     contacts: NDArray[np.float64]  # (capacity, len(CONTACT_FIELDS)); capacity 0 keeps no contacts
     filled: NDArray[np.int64]  # [samples taken, contacts kept]
-    pause: NDArray[np.float64]  # (1,) the first accepted step that reaches this time [s] is the last of a call
+    pause: NDArray[np.float64]  # (1,) pause time [s]: a call ends after the first accepted step that reaches it
 
 
 def sample_columns(model: Model, state: State) -> dict[str, slice]:
@@ -43,7 +43,7 @@ def sample_columns(model: Model, state: State) -> dict[str, slice]:
 
 
 def make_recorder(model: Model, state: State, times: NDArray[np.float64], contact_capacity: int) -> Recorder:
-    """Allocate a recorder for the given sample times [s] and number of contacts between two drains."""
+    """Allocate a recorder for sample times [s] and for a number of contacts until the caller empties the table."""
     columns = sample_columns(model, state)["integrals"].stop
     return Recorder(
         np.ascontiguousarray(times, dtype=np.float64),
@@ -55,21 +55,21 @@ def make_recorder(model: Model, state: State, times: NDArray[np.float64], contac
 
 
 def with_more_room(recorder: Recorder) -> Recorder:
-    """Return the recorder with room for twice as many contacts."""
+    """Return the recorder with a table of contacts for twice as many rows."""
     return recorder._replace(contacts=np.concatenate([recorder.contacts, np.zeros_like(recorder.contacts)]))
 
 
 @kernel
 def sample_due(recorder, time):
-    """Return whether a requested sample time has been reached."""
+    """Return whether `time` [s] has reached the next requested sample time."""
     return recorder.filled[0] < recorder.times.size and recorder.times[recorder.filled[0]] <= time
 
 
 @kernel
 def pause_due(recorder, time, joints):
-    """Return whether to pause for the caller: at the time it asked for, and before the contacts run out of room.
+    """Return whether to pause: at the time that the caller requested, or when the contact table is nearly full.
 
-    A pause shortens no step: the next call goes on to the same bits.
+    A pause shortens no step: results are the same bits with and without it.
     """
     capacity = recorder.contacts.shape[0]
     return time >= recorder.pause[0] or (capacity > 0 and recorder.filled[1] + joints > capacity)
@@ -77,7 +77,7 @@ def pause_due(recorder, time, joints):
 
 @kernel(inlined=False)
 def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a, multipliers, energies):
-    """Evaluate the loads at an (interpolated) state and store one row."""
+    """Evaluate the loads at an (interpolated) state, and store one row of samples."""
     accelerations(model, joint_states, q, v, time, work, a, multipliers)
     stored_energies(model, joint_states, q, v, work.loads, energies)
     row = recorder.samples[recorder.filled[0]]
@@ -96,7 +96,7 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
 
 @kernel
 def record_contact(recorder, j, joint_state, integrals, end):
-    """Store the line of a contact of joint `j` that has just ended."""
+    """Store the row of joint `j`'s contact that ends at the time `end` [s]."""
     if recorder.contacts.shape[0] == 0:
         return
     row = recorder.contacts[recorder.filled[1]]

@@ -1,5 +1,5 @@
-"""Running mechanisms: simulations, batches of them on all cores, trajectories, accuracy, diagnosis and errors.
+"""Simulations of mechanisms, batches of them on all cores, trajectories, accuracy, diagnosis and errors.
 
-Imports `integrators` and the rooms below. A new figure of a run is a property of `Trajectory`, a new warning a
-function of `diagnosis`.
+The package imports `integrators` and the packages below it. A new result of a run becomes a property of `Trajectory`, a
+new warning a function of `diagnosis`.
 """

@@ -1,4 +1,4 @@
-"""Many mechanisms of one structure that advance together, on all cores, in one compiled call per thread."""
+"""Batch of mechanisms with the same structure, advanced together on all cores in one compiled call per thread."""
 
 import math
 import os
@@ -22,32 +22,32 @@ from solar_env.mechanics.records.recording import Recorder, make_recorder, with_
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import STEPS_BETWEEN_LOOKS, STEPS_PER_CALL, Simulation
 
-# Time that a further thread must save [s]: waking one takes about as long.
+# Least work [s] that each thread must have: waking a thread takes about as long.
 _WORK_FOR_A_THREAD = 1e-4
-_FEWEST_STEPS_PER_CALL = 1100  # of a lane: more than the events at once after which a call gives up
+_FEWEST_STEPS_PER_CALL = 1100  # fewest steps of a lane: more than the events at once after which a call gives up
 
 
 class Batch:
-    """Lanes of simulations whose arrays lie side by side.
+    """Batch of simulations, called lanes, whose arrays lie side by side.
 
-    The threads take lane after lane from one queue, those that needed most steps the last time first, so that a few
-    lanes full of impacts do not keep the others waiting. A lane's result does not depend on the others, nor on the
+    Threads take lanes from one queue, which starts with the lanes that needed most steps the last time: a few lanes
+    full of impacts then do not keep the others waiting. A lane's result does not depend on other lanes, nor on the
     number of threads: it equals the result of its `Simulation` alone, bit for bit.
 
     Attributes:
-        simulations: by lane; they can be read, saved, restored and advanced singly too.
+        simulations: simulations by lane; they can also be read, saved, restored and advanced singly.
         models, states: arrays of all lanes (`lanes.py`).
-        handles: handles of `models` and `states`.
-        threads: most threads that advance lanes at the same time.
-        recorder: the one given to `record`, or a larger one instead.
+        handles: `models` and `states` as kernels take them (`numerics.handles`).
+        threads: greatest number of threads that advance lanes at the same time.
+        recorder: recorder given to `record`, or the same with a larger table of contacts.
     """
 
     def __init__(self, simulations: list[Simulation], threads: int | None = None) -> None:
         """Move simulations into a batch.
 
         Args:
-            simulations: with one integrator, of mechanisms of one structure.
-            threads: by default as many as there are processors for this process.
+            simulations: simulations with the same integrator, of mechanisms with the same structure.
+            threads: number of threads; None takes the number of processors for this process.
 
         Raises:
             ValueError: if there are no simulations, if integrators or structures of mechanisms differ, or if `threads`
@@ -58,7 +58,7 @@ class Batch:
         if threads is not None and threads < 1:
             raise ValueError(f"threads = {threads!r} must be at least 1")
         first = simulations[0]
-        # Uncompiled, taking a lane from the queue would not be atomic.
+        # Without the compiler, taking a lane from the queue would not be atomic: use one thread.
         available = 1 if numba.config.DISABLE_JIT else threads or available_processors()
         count = len(simulations)
         self.threads = min(available, count)
@@ -79,17 +79,17 @@ class Batch:
             self.replace(lane, simulation)
 
     def __getstate__(self) -> dict[str, object]:
-        """Leave threads and the address in this process out of copies and pickles."""
+        """Return the attributes for copies and pickles, without threads and the address in this process."""
         return {name: value for name, value in vars(self).items() if name not in ("_threads", "address")}
 
     def __setstate__(self, values: dict[str, object]) -> None:
-        """Let the copied simulations share their memory with the copied lanes again."""
+        """Restore the attributes, and let the copied simulations share memory with the copied lanes again."""
         vars(self).update(values)
         for lane, simulation in enumerate(self.simulations):
             simulation.move_to(lane_view(self.models, lane), lane_view(self.states, lane))
 
     def replace(self, lane: int, simulation: Simulation) -> None:
-        """Put another simulation into a lane; the one before goes on alone, with a copy of the arrays.
+        """Put another simulation into a lane; the simulation before leaves with a copy of its arrays.
 
         Raises:
             ValueError: if the integrator or the structure of the mechanism differs.
@@ -109,25 +109,25 @@ class Batch:
         self._last_steps[lane] = 0
 
     def record(self, recorder: Recorder) -> None:
-        """Keep samples and contacts of a batch of one lane from now on.
+        """Record samples and contacts of a batch of one lane from now on.
 
         Raises:
-            ValueError: if there are more lanes, whose samples would be mixed.
+            ValueError: if the batch has more lanes, whose samples would be mixed.
         """
         if len(self.simulations) != 1:
             raise ValueError(f"a batch of {len(self.simulations)} lanes cannot be recorded; take one of a single lane")
         self.recorder = recorder
 
     def advance(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
-        """Advance some lanes, and look at their accuracy now and then as `Simulation.advance` does.
+        """Advance some lanes to their end times, and check their accuracy every 10,000 steps.
 
         Args:
-            lanes: (k,) indices.
+            lanes: (k,) indices of lanes.
             end_times: (lanes of the batch,) [s]; only the entries of `lanes` are used.
 
         Raises:
-            SimulationError: if a lane cannot go on; a note names the lane. It stays at its last accepted step, the
-                others have advanced.
+            SimulationError: if a lane cannot go on; a note names the lane. That lane stays at its last accepted step;
+                the other lanes have advanced.
             KeyboardInterrupt: within two seconds of Ctrl-C; every lane stays at an accepted step.
 
         Warns:
@@ -140,7 +140,7 @@ class Batch:
             raise failures[lane]
 
     def attempt(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> dict[int, SimulationError]:
-        """Advance some lanes; return failures: lane -> why it cannot go on; mostly empty."""
+        """Advance some lanes to their end times; return the errors of lanes that cannot go on, by lane."""
         return self.run(advance_lanes, lanes, end_times)
 
     @cached_property
@@ -149,11 +149,11 @@ class Batch:
         return address_of(advance_lanes, *self._arguments(0, np.zeros(0, np.int64)), np.zeros(0))
 
     def run(self, kernel: Callable, lanes: NDArray[np.int64], *further: Any) -> dict[int, SimulationError]:
-        """Run a kernel over some lanes (k,) as `attempt` runs `advance_lanes`, with the same result.
+        """Run a kernel on some lanes (k,), as `attempt` runs `advance_lanes`; return the errors by lane.
 
-        The kernel takes the arguments of `advance_lanes` up to `statuses`, then `further` ones. Every lane is DONE
-        beforehand; the kernel is called again for lanes that it leaves at TOO_MANY_STEPS, or at PAUSED with a full
-        record of contacts.
+        The kernel takes the arguments of `advance_lanes` up to `statuses`, then `further` ones. Every lane's status is
+        DONE beforehand. The kernel is called again for lanes with status TOO_MANY_STEPS, or PAUSED because the contact
+        table is full.
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")] if lanes.size > 1 else lanes
         left, clock = self.integrator.max_steps, self.states.clock
@@ -181,14 +181,14 @@ class Batch:
         return {lane: self.simulations[lane].failure(int(self._statuses[lane])) for lane in failed}
 
     def _run_once(self, kernel: Callable, queue: NDArray[np.int64], further: tuple[Any, ...], threads: int) -> None:
-        """Call a kernel in every thread until the queue is empty."""
+        """Call a kernel in every thread, and wait until all calls have returned with an empty queue."""
         self._counter[0] = 0
         start = time.perf_counter()
         helpers = [self._pool.submit(kernel, *self._arguments(thread, queue), *further) for thread in range(1, threads)]
         try:
             kernel(*self._arguments(0, queue), *further)
         finally:
-            # Also on Ctrl-C: the helpers are still at work on the states.
+            # Wait also on Ctrl-C: the helper threads still work on the states.
             if helpers:
                 wait(helpers)
         for helper in helpers:
@@ -196,7 +196,7 @@ class Batch:
         self._work_expected = threads * (time.perf_counter() - start)
 
     def _arguments(self, thread: int, queue: NDArray[np.int64]) -> tuple[Any, ...]:
-        """Return the arguments of `advance_lanes` up to `statuses`."""
+        """Return the arguments of `advance_lanes` up to `statuses`, for one thread and a queue of lanes."""
         return (
             *self.handles,
             self._settings,
@@ -221,7 +221,7 @@ class Batch:
         return ThreadPoolExecutor(max(self.threads - 1, 1), thread_name_prefix="lanes")
 
     def close(self) -> None:
-        """End the threads; they start again when they are needed."""
+        """End the batch's threads; a later call that needs threads starts new ones."""
         if "_threads" in self.__dict__:
             self._threads.shutdown()
             del self._threads

@@ -1,37 +1,37 @@
-"""Warnings of runs that went on, but whose result is worse than its numbers look.
+"""Warnings about runs that finished, but whose results are worse than they look.
 
-Each text names a quantity, its value, and what to do, and is empty if all is well. A run that cannot go on raises
-(`errors.py`). Plain Python: describing a mechanism needs no compiler.
+Each text names a quantity, its value and a remedy, and is empty if all is well. A run that cannot go on raises an error
+(`errors.py`). This is plain Python: describing a mechanism needs no compiler.
 """
 
 import warnings
 from typing import Any
 
-# Share of the energy turned over in a run that the books may fail to account for.
+# Largest error of the energy balance, divided by the energy turned over in a run.
 LARGEST_ENERGY_SHARE = 0.01
-# Share of the largest force by which the multipliers may differ from the forces that hold the constraints.
+# Largest difference between multipliers and forces that hold the constraints, divided by the largest force.
 LARGEST_FORCE_SHARE = 0.1
-# Greatest ratio of stiffness or shortening that a modal panel's second order leaves out to the part that it keeps.
+# Largest ratio of the stiffness or shortening that a modal panel's second-order theory leaves out to what it keeps.
 LARGEST_MODAL_SHARE = 0.01
-# Rise of the squared frequency of a free beam's lowest mode by a spin, divided by the squared spin.
+# Stiffening by spin: rise of the squared frequency of a free beam's lowest mode, divided by the squared spin.
 SPIN_STIFFENING = 2.05
-# Greatest difference of a contact law's ratio of exit to entry speed from the restitution that was asked for.
+# Largest difference between a contact law's ratio of exit to entry speed and the requested restitution.
 LARGEST_RESTITUTION_ERROR = 0.05
 
 
 class SimulationWarning(UserWarning):
-    """Warning that a result is less accurate than it looks; the message says which, by how much, what to do."""
+    """Warning that a result is less accurate than it looks; the message names the quantity, its error and a remedy."""
 
 
 def warn(text: str) -> None:
-    """Warn with a text, unless it is empty."""
+    """Warn with a text, unless the text is empty."""
     if text:
-        # The line of the caller says nothing here: the text names the fault.
+        # The caller's line would say nothing: the text names the fault.
         warnings.warn(text, SimulationWarning, stacklevel=2)
 
 
 def shortcomings(run: Any) -> dict[str, str]:
-    """Return a text by subject about a `Simulation` so far, empty where all is well."""
+    """Return warning texts about a `Simulation` so far, by subject; a text is empty where all is well."""
     return {
         "energy": energy_shortcoming(run),
         "forces": force_shortcoming(run),
@@ -42,7 +42,7 @@ def shortcomings(run: Any) -> dict[str, str]:
 
 
 def energy_shortcoming(run: Any) -> str:
-    """Return a warning if the energy book does not close, else an empty text."""
+    """Return a warning if the energy balance is off by too much, else an empty text."""
     residual, turnover = run.energy_book()
     if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:  # false for NaN
         return ""
@@ -54,10 +54,10 @@ def energy_shortcoming(run: Any) -> str:
 
 
 def range_shortcoming(run: Any) -> str:
-    """Return a warning if modal panels bend or turn by more than their second order holds for, else an empty text."""
+    """Return a warning if modal panels bend or turn beyond their second-order theory's range, else an empty text."""
     slope, spin_ratio = run.formulation.modal_range(run.model, run.state)
-    # The next term of the shortening of an arc, and the stiffness that the lowest mode gains from the inertia of the
-    # turning frame.
+    # Effects left out: the next term of an arc's shortening, and the stiffness that the lowest mode gains from the
+    # inertia of the turning frame.
     bent, turned = 0.25 * slope * slope, SPIN_STIFFENING * spin_ratio * spin_ratio
     if max(bent, turned) <= LARGEST_MODAL_SHARE:  # false for NaN
         return ""
@@ -73,7 +73,7 @@ def range_shortcoming(run: Any) -> str:
 
 
 def force_shortcoming(run: Any) -> str:
-    """Return a warning if generalized-alpha's multipliers differ from the constraint forces, else an empty text."""
+    """Return a warning if generalized-alpha's multipliers are far from the constraint forces, else an empty text."""
     if not run.integrator.settles_forces or run.state.clock["steps"][0] == 0:
         return ""
     defect, largest = run.constraint_force_defect()
@@ -87,7 +87,7 @@ def force_shortcoming(run: Any) -> str:
 
 
 def _impact_shortcoming(run: Any) -> str:
-    """Return a warning if a fixed step does not resolve the latest impact of every joint, else an empty text."""
+    """Return a warning if a fixed step does not resolve the latest impact of some joint, else an empty text."""
     needed, durations = run.integrator.steps_needed_per_impact, run.state.joints["contact_duration"]
     struck = durations > 0.0
     if needed is None or not struck.any():
@@ -114,13 +114,13 @@ def _tolerance_shortcoming(run: Any) -> str:
 
 
 def restitution_text(law: str, asked: float, given: float) -> str:
-    """Return a warning if a contact law does not give the coefficient of restitution asked for, else an empty text.
+    """Return a warning if a contact law does not give the requested coefficient of restitution, else an empty text.
 
-    The text is rounded, so that Python shows it once for values that are nearly the same.
+    Numbers in the text are rounded, so that Python shows the warning once for values that are nearly the same.
     """
     if abs(given - asked) <= LARGEST_RESTITUTION_ERROR:
         return ""
     return (
-        f"the contact law {law} turns a restitution of {asked:.1f} into an exit over entry speed of {given:.1f}; "
+        f"the contact law {law} turns a restitution of {asked:.1f} into a ratio of exit to entry speed of {given:.1f}; "
         "choose contact_law = 'restitution', or the restitution that gives the exit speed you want"
     )

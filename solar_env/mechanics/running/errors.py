@@ -1,4 +1,4 @@
-"""Exceptions of a run: each names the quantity, its value, the time, and what to do."""
+"""Exceptions of a run; each message names the quantity, its value, the time, and a remedy."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from solar_env.mechanics.arrays import model as m
 
 
 class SimulationError(RuntimeError):
-    """A run that cannot go on. The state is left at the last accepted step.
+    """Error of a run that cannot continue; the state is left at the last accepted step.
 
     Attributes:
         time: last accepted time [s].
@@ -19,7 +19,7 @@ class SimulationError(RuntimeError):
         self.reason = reason
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle with all arguments: what a worker raises crosses processes."""
+        """Pickle the error with all arguments, so that it can pass from a worker to another process."""
         return type(self), (str(self), self.time, self.reason)
 
 
@@ -71,7 +71,7 @@ _CAUSES = {
 
 
 def failure(status: int, clock: Any) -> SimulationError:
-    """Return the error for a kernel's status code other than DONE and PAUSED, from the clock of the state."""
+    """Return the error for a kernel's status code other than DONE and PAUSED, with time and joint from the clock."""
     (reason, text), time = _CAUSES[status], float(clock["time"])
     cause = text.format(joint=int(clock["failure_joint"]) + 1, value=float(clock["failure_value"]))
     return SimulationError(f"at t = {time:.9g} s {cause}", time, reason)

@@ -26,23 +26,23 @@ from solar_env.mechanics.running.errors import SimulationError, failure
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table, energy_flows
 from solar_env.support.values import check_positive
 
-# Steps of a compiled call; Ctrl-C waits for the end of the call: some tenths of a second at most.
+# Steps of a compiled call; Ctrl-C waits for the end of the call, some tenths of a second at most.
 STEPS_PER_CALL = 5000
-# Steps between looks at the accuracy of a run that goes on call by call: a look takes as long as some hundred steps.
+# Steps between accuracy checks of a run that advances call by call: a check takes as long as some hundred steps.
 STEPS_BETWEEN_LOOKS = 10_000
 _MOST_SAMPLES = 10_000_000
 _CONTACTS_PER_DRAIN, _PROGRESS_CALLS = 4096, 20
-_SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
+_SMALLEST_ENERGY_SCALE = 1e-9  # J, least energy scale, for a mechanism that starts without energy
 
 
 class Simulation:
-    """A mechanism in motion.
+    """Simulation of a mechanism, advanced from one time to the next.
 
-    `state` is a named tuple of arrays; `snapshot` and `restore` copy it, in the middle of a contact
-    too, and a restored simulation continues to the same bits.
+    `state` is a named tuple of arrays; `snapshot` and `restore` copy it, even in the middle of a contact. A restored
+    simulation gives the same results, bit for bit.
 
     Attributes:
-        integrator: settings of the method; others of the same formulation may take their place.
+        integrator: settings of the method, which other settings for the same formulation may replace.
         model, state: named tuples of arrays, of the formulation's classes.
     """
 
@@ -51,7 +51,7 @@ class Simulation:
 
         Raises:
             ValueError: if positions or velocities violate a constraint, if the integrator is not one of `settings`, or
-                does not take a part of the mechanism.
+                if the integrator does not take a part of the mechanism.
         """
         self.integrator: Integrator = RungeKutta() if integrator is None else integrator
         method = method_of(self.integrator)
@@ -82,7 +82,7 @@ class Simulation:
                 )
 
     def _engage_stops(self) -> None:
-        """Engage hold-downs, and the stow stops that the initial angles lie in, whose energy the book would miss."""
+        """Engage hold-downs and stow stops that the initial angles press on; their energy must enter the balance."""
         joints, angles = self.model.joints, self.joint_loads()[:, columns.ANGLE]
         inside = joints["stow_angle"] - joints["stop_gap"] - angles > 0.0
         held, waits = joints["is_held"] != 0, joints["released_by"] >= 0
@@ -99,17 +99,17 @@ class Simulation:
             )
 
     def __getstate__(self) -> dict[str, object]:
-        """Leave arrays that share memory with the state out of copies and pickles, in which they would not share it."""
+        """Return attributes for copies and pickles, without arrays that share memory with this simulation's state."""
         return {name: value for name, value in vars(self).items() if name != "_lane"}
 
     @property
     def formulation(self) -> Formulation:
-        """Formulation of the equations of motion, which the method has chosen."""
+        """Formulation of the equations of motion that the integration method uses."""
         return FORMULATIONS[type(self.model)]
 
     @property
     def time(self) -> float:
-        """Time [s]."""
+        """Present time of the simulation [s]."""
         return float(self.state.clock["time"][0])
 
     def snapshot(self) -> StateArrays:
@@ -117,7 +117,7 @@ class Simulation:
         return copied(self.state)
 
     def restore(self, snapshot: StateArrays) -> None:
-        """Continue from a snapshot of this simulation or of one of the same mechanism.
+        """Continue from a snapshot of this simulation, or of another simulation of the same mechanism.
 
         Raises:
             ValueError: if the snapshot's arrays do not fit the mechanism.
@@ -134,7 +134,7 @@ class Simulation:
             mine[...] = theirs
 
     def set_motor_torque(self, joint: int, torque: float) -> None:
-        """Set the motor torque on a joint's angle [N m], held until it is set again.
+        """Set the motor torque on a joint's angle [N m], which acts until it is set again.
 
         Raises:
             ValueError: if the torque is not finite.
@@ -146,15 +146,14 @@ class Simulation:
             self.state.clock["acceleration_current"] = 0
 
     def move_to(self, model: ModelArrays, state: StateArrays) -> None:
-        """Go on with other arrays, which hold the same values."""
+        """Replace model and state by other arrays that hold the same values."""
         self.model, self.state = model, state
         self.__dict__.pop("_lane", None)
 
     def advance(self, end_time: float, recorder: Recorder | None = None) -> None:
-        """Advance to `end_time` [s], landing on it.
+        """Advance the simulation to exactly `end_time` [s].
 
-        Every 10,000 steps the accuracy is looked at, as `check` does at any time, and the constraint forces of
-        generalized-alpha after every call.
+        Accuracy is checked every 10,000 steps as by `check`; generalized-alpha's constraint forces, after every call.
 
         Raises:
             ValueError: if `end_time` is not finite or lies before the present time.
@@ -178,19 +177,19 @@ class Simulation:
             self._tell("forces", force_shortcoming(self))
 
     def failure(self, status: int) -> SimulationError:
-        """Return the error of a status code, other than DONE, with which a kernel has left this state."""
-        # The range of modal panels may be the cause.
+        """Return the error for a status code, other than DONE, with which a kernel left the present state."""
+        # Modal panels that leave their range may be the cause.
         self._tell("range", range_shortcoming(self))
         return failure(status, self.state.clock[0])
 
     def check(self) -> None:
-        """Look at the accuracy of the run so far; every shortcoming is told once.
+        """Check the accuracy of the run so far, and warn once of every shortcoming.
 
         Warns:
-            SimulationWarning: if the energy book is open by more than 1 % of the energy turned over; if modal panels
-                bend or turn by more than their second order holds for; if multipliers of generalized-alpha are off the
-                constraint forces by more than 10 % of the largest force; if its fixed step does not resolve the latest
-                impact of a joint; if a tolerance is too loose for single contacts.
+            SimulationWarning: if the energy balance is off by more than 1 % of the energy turned over; if modal panels
+                bend or turn by more than their second-order theory holds for; if multipliers of generalized-alpha
+                differ from the constraint forces by more than 10 % of the largest force; if its fixed step does not
+                resolve the latest impact of a joint; if a tolerance is too loose for single contacts.
         """
         self._steps_looked = int(self.state.clock["steps"][0])
         for subject, text in shortcomings(self).items():
@@ -203,14 +202,14 @@ class Simulation:
 
     @cached_property
     def _lane(self) -> tuple[Handle, Handle, dict[str, Handle]]:
-        """Handles of model and state as a single lane, and of scratch arrays by the name of a method."""
+        """Handles of model and state as a batch of one, and handles of scratch arrays by the method's name."""
         return Handle(with_lane_axis(self.model)), Handle(with_lane_axis(self.state)), {}
 
     def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:
         method = method_of(self.integrator)
         if method.formulation is not self.formulation:
             raise ValueError(
-                f"the integrator {self.integrator.name!r} needs other arrays than those of this simulation; make a new "
+                f"the integrator {self.integrator.name!r} needs arrays that this simulation does not have; make a new "
                 "Simulation with it"
             )
         models, states, scratch = self._lane
@@ -230,11 +229,11 @@ class Simulation:
         return int(status[0])
 
     def joint_loads(self) -> NDArray[np.float64]:
-        """Return the table (joints, columns) of angles, rates, forces and torques now, see `arrays.columns`."""
+        """Return the table (joints, columns) of present angles, rates, forces and torques, see `arrays.columns`."""
         return self.formulation.joint_loads(self.model, self.state)
 
     def stored_energies(self) -> NDArray[np.float64]:
-        """Return the (ENERGIES,) stored energies now [J], in the order of `model.ENERGY_NAMES`."""
+        """Return the (ENERGIES,) energies stored at present [J], in the order of `model.ENERGY_NAMES`."""
         return self.formulation.stored_energies(self.model, self.state)
 
     def momenta(self) -> NDArray[np.float64]:
@@ -242,14 +241,14 @@ class Simulation:
         return self.formulation.momenta(self.model, self.state)
 
     def energy_residual(self) -> float:
-        """Return the energy now that the books do not account for [J]."""
+        """Return the present error of the energy balance [J]: energy that nothing accounts for."""
         return self.energy_book()[0]
 
     def energy_book(self) -> tuple[float, float]:
-        """Return the energy now that the books do not account for, and the energy that the run turned over so far [J].
+        """Return the present error of the energy balance, and the energy that the run has turned over so far [J].
 
-        The latter is the greater of the energy stored at the start and the energy stored now plus lost. The greatest
-        weight's work along the longest body is added, so that a pendulum at rest for a moment counts, too.
+        The energy turned over is the greater of the energy stored at the start and the energy stored now plus lost. The
+        greatest weight's work along the longest body is added, so that a pendulum at momentary rest does not give zero.
         """
         put_in, lost = (sum(flows.values()) for flows in energy_flows(self.state.integrals))
         stored = self.stored_energies()
@@ -262,20 +261,20 @@ class Simulation:
         )
 
     def constraint_force_defect(self) -> tuple[float, float]:
-        """Return the greatest error of multipliers against those that hold the constraints, and the greatest force [N].
+        """Return the greatest error of the multipliers that hold the constraints, and the greatest force [N].
 
-        The greatest force is at least the run's energy turnover divided by the longest body's length: otherwise
-        rounding would be measured by rounding.
+        The greatest force is at least the run's energy turnover divided by the longest body's length: otherwise one
+        rounding error would be compared with another.
         """
         defect, largest = self.formulation.constraint_force_defect(self.model, self.state)
         return defect, max(largest, float(self.energy_book()[1] / self.model.length_scale))
 
 
 def sample_times(duration: float, output_step: float) -> NDArray[np.float64]:
-    """Return the times [s] every `output_step` [s] from 0, and at the end of `duration` [s].
+    """Return the times [s] of samples: every `output_step` [s] from 0, and at the end of `duration` [s].
 
     Raises:
-        ValueError: if one of them is not positive and finite, or the samples are too many.
+        ValueError: if `duration` or `output_step` is not positive and finite, or the samples are too many.
     """
     check_positive("duration", duration, " s")
     check_positive("output_step", output_step, " s")
@@ -301,10 +300,10 @@ def simulate(
 
     Args:
         mechanism: mechanism to simulate.
-        duration: [s].
+        duration: simulated time [s].
         integrator: defaults to `RungeKutta`.
-        output_step: distance of the samples [s]; independent of the integration step.
-        progress: called with the simulated time [s] now and then; the result does not depend on it.
+        output_step: time between samples [s]; independent of the integration step.
+        progress: function that is called with the simulated time [s] now and then; it does not affect the result.
         metadata: further entries of the trajectory's metadata.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The result of a run: named arrays over time, totals by joint, every contact; made, saved and loaded here."""
+"""Result of a run: arrays over time, totals by joint and every contact, with functions to make, save and load it."""
 
 from __future__ import annotations
 
@@ -22,57 +22,55 @@ from solar_env.support.plain_arrays import MOST_BYTES, parse_json, read_arrays
 Array = NDArray[np.float64]
 _STORED = tuple(name for name in m.ENERGY_NAMES if name != "gravity")
 _PUT_IN = (*(law.book for law in TORQUES if law.book and not law.lost), "external_work")
-_ENERGIES = "energies/"  # before the names of their arrays in a file
+_ENERGIES = "energies/"  # prefix of the energies' names in a file
 _COUNTS = ("steps", "rejected_steps", "evaluations", "factorizations", "stability_bound_steps")
 # Entries of the metadata that a summary shows.
 _COSTS_AND_LIMITS = (*_COUNTS, "slow_contacts", "creeping_share", "wall_time_s")
 
-# The end of a contact is nan while it lasts.
+# Row of a contact; its end time is nan while the contact lasts.
 contact_record = np.dtype([(name, np.int64 if name == "joint" else np.float64) for name in CONTACT_FIELDS])
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """A simulated motion, in SI units; nt samples, nj joints, n generalized coordinates.
+    """Simulated motion, in SI units; nt samples, nj joints, n generalized coordinates.
 
     Attributes:
-        time: (nt,).
-        coordinates, velocities: (nt, n).
+        time: (nt,) times of the samples.
+        coordinates, velocities: (nt, n) generalized coordinates and velocities.
         angles, rates: (nt, nj) joint angles and their rates; continuous through full turns.
         eccentricity: (nt, nj, 2) journal centre minus bearing centre; zero for ideal joints.
         penetration: (nt, nj) eccentricity minus clearance; negative is a gap.
-        normal_force, tangential_force: (nt, nj) contact force on the journal, or the magnitude of an ideal joint's
-            reaction and zero. Samples inside linearly implicit steps follow their interpolant, in which a journal
-            that leans on its bearing with 0.2 N may seem to with up to 10 N: after changes of the motor torque, in
-            0.02 % of the time of quiet deployments. Samples inside steps of modal-radau follow the step's polynomial.
-            Peak forces and integrals are free of that error.
+        normal_force, tangential_force: (nt, nj) contact force on the journal; for an ideal joint, the reaction's
+            magnitude and zero. Samples inside linearly implicit steps follow an interpolant, which may show up to 10 N
+            for a journal that leans on its bearing with 0.2 N: after changes of the motor torque, in 0.02 % of the time
+            of quiet deployments. Samples inside steps of modal-radau follow the step's polynomial. Peak forces and
+            integrals are free of that error.
         joint_force: (nt, nj, 2) force on the outboard body.
         spring_torque, cable_torque, latch_torque, motor_torque, harness_torque, damping_torque, hinge_friction_torque:
-            (nt, nj) on the joint angle. The latch torque is the torque of all stops.
+            (nt, nj) torques on the joint angle; the latch torque is the torque of all stops.
         energies: name -> (nt,); stored: kinetic, spring, cable, latch, contact, elastic, harness, gravity (of all
             constant forces); put in: motor_work, cable_work (zero for a loop whose torque ratio is its wheel ratio),
             external_work (of drives and load torques); lost: contact_dissipation, friction_dissipation,
             latch_dissipation, damper_dissipation, hinge_friction_dissipation, material_dissipation; residual: stored -
             initially stored - put in + lost.
-        sliding_work, impulse: (nt, nj) integrals of normal force * |sliding speed| and of the force since t = 0.
-        wear_journal, wear_bearing: (nj, bins) depth at the end, by angle in the frame of the surface's body.
-        contacts: structured array of all contacts in the order of their ends; those still open come last, with
-            end_s = nan.
-        latch_times: (nj,) nan if not latched.
+        sliding_work, impulse: (nt, nj) integrals since t = 0 of normal force * |sliding speed|, and of the force.
+        wear_journal, wear_bearing: (nj, bins) wear depth at the end, by angle in the frame of the surface's body.
+        contacts: structured array of all contacts by end time; open contacts come last, with end_s = nan.
+        latch_times: (nj,) times of latching; nan if not latched.
         latch_rates: (nj,) rates of the joint angles at the latching [rad/s]; nan if not latched.
-        peak_latch_torque: (nj,) greatest torque of the latch, or of the stop at the lock angle [N m], over the ends of
+        peak_latch_torque: (nj,) greatest torque of the latch, or of the stop at the lock angle [N m], at the ends of
             all accepted steps.
-        peak_force, postlock_peak_force: (nj,) over all accepted steps; post-lock counts from the first latching. With
-            flexible panels and ideal joints the former has no limit: springs that act from one moment on send a wave
-            into the panels, and the finer these are, the greater the reaction in its first tenth of a millisecond.
-        postlock_impulse, postlock_sliding_work: (nj,).
-        contact_starts: (nj,).
+        peak_force, postlock_peak_force: (nj,) greatest force in all accepted steps; post-lock counts from the first
+            latching. With flexible panels and ideal joints the peak force has no limit: springs that act suddenly send
+            a wave into the panels, and finer panels give a greater reaction in the wave's first tenth of a millisecond.
+        postlock_impulse, postlock_sliding_work: (nj,) impulse and sliding work since the first latching.
+        contact_starts: (nj,) number of contacts that began.
         clearance, journal_radius: (nj,) zero for ideal joints.
-        metadata: model, integrator, counts of steps and evaluations (`stability_bound_steps` are those that the
-            explicit method's stability on flexible bodies has bounded), wall time, parameters; and where the laws of
-            contact and friction were at their limits: `slow_contacts`, the number of contacts that began below the
-            minimum impact speed and bounce too much; and `creeping_share`, the share of the samples in contact at
-            which the surfaces crept on the friction ramp, where Coulomb's law might stick.
+        metadata: model, integrator, counts of steps and evaluations, wall time, parameters. `stability_bound_steps`
+            counts steps that the explicit method's stability on flexible bodies bounded. `slow_contacts` counts
+            contacts that began below the minimum impact speed and bounce too much. `creeping_share` is the fraction of
+            samples in contact at which the surfaces crept on the friction ramp, where Coulomb's law might stick.
     """
 
     time: Array
@@ -112,31 +110,31 @@ class Trajectory:
 
     @property
     def joint_torque(self) -> Array:
-        """(nt, nj) sum of the torques on the joint angles [N m]."""
+        """Sum of all torques on the joint angles (nt, nj) [N m]."""
         return np.asarray(sum(getattr(self, law.name) for law in TORQUES))
 
     @property
     def energy_put_in(self) -> float:
-        """Energy stored at t = 0 in springs, cables and motion, plus what motor, cable, drives and loads added [J].
+        """Energy [J] in springs, cables and motion at t = 0, plus the energy that motor, cable, drives and loads added.
 
-        Energy that they took out in the end does not count. The store of a tabulated torque, which is 0 at first, is as
-        large as the energy that it gave.
+        Energy that a source took out by the end does not count. A tabulated torque, whose stored energy is 0 at first,
+        counts with the energy that it gave.
         """
         stored = sum(float(self.energies[name][0] - min(self.energies[name].min(), 0.0)) for name in _STORED)
         return stored + sum(max(float(self.energies[name][-1]), 0.0) for name in _PUT_IN)
 
     @property
     def energy_residual(self) -> float:
-        """Greatest magnitude over the samples of the energy that the books do not account for [J]."""
+        """Greatest error of the energy balance in any sample [J]."""
         return float(np.max(np.abs(self.energies["residual"])))
 
     @property
     def wear_depth(self) -> Array:
-        """(nj,) deepest wear of journal or bearing [m]."""
+        """Greatest wear depth of journal or bearing (nj,) [m]."""
         return np.maximum(self.wear_journal.max(axis=1), self.wear_bearing.max(axis=1))
 
     def summary(self) -> dict[str, object]:
-        """Return the figures of the whole run as plain Python values, ready for JSON; nan becomes None."""
+        """Return the main results of the whole run as plain Python values, ready for JSON; nan becomes None."""
 
         def plain(values: NDArray[Any]) -> list[Any]:
             return [None if isinstance(x, float) and math.isnan(x) else x for x in values.tolist()]
@@ -159,7 +157,7 @@ class Trajectory:
             "theta_end_rad": plain(self.angles[-1]),
             "energy_residual_J": self.energy_residual,
             "energy_put_in_J": self.energy_put_in,
-            # Of a cable loop whose torque ratio is not its wheel ratio: energy that it destroys is negative.
+            # Work of cable loops whose torque ratio is not their wheel ratio: energy that they destroy is negative.
             "cable_work_J": float(self.energies["cable_work"][-1]) or None,
             **{name: self.metadata.get(name) for name in _COSTS_AND_LIMITS},
         }
@@ -183,12 +181,12 @@ class Trajectory:
         """Read a file that `save` wrote; nothing in it is executed.
 
         Args:
-            path: of the file.
-            most_bytes: of all arrays together; a larger file is refused before it is inflated.
+            path: path of the file.
+            most_bytes: greatest size of all arrays together; a larger file is refused before it is inflated.
 
         Raises:
             OSError: if the file cannot be opened.
-            ValueError: if it is not such a file, is damaged or too large.
+            ValueError: if the file is no saved trajectory, is damaged or too large.
         """
         plain = {item.name for item in fields(cls)} - {"energies"}
         try:
@@ -238,7 +236,7 @@ def _check(values: dict[str, Any]) -> None:
 
 
 def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the energies [J] put in and lost since t = 0, by names of `Trajectory`, from integrals (..., columns)."""
+    """Return energies [J] put in and lost since t = 0, named as in `Trajectory`, from integrals (..., columns)."""
     totals = m.joint_integrals(integrals).sum(axis=-2)
     by_torques: list[dict[str, Any]] = [
         {law.book: totals[..., law.integral] for law in columns.TORQUES if law.book and law.lost == lost}
@@ -259,7 +257,7 @@ def assemble(
 ) -> Trajectory:
     """Make the trajectory of a finished run from its samples, its contacts (`contact_table`) and its last state.
 
-    `metadata` is completed with the counts of steps and with where the laws were at their limits.
+    Counts of steps, and how often the laws were at their limits, are added to `metadata`.
     """
     table, joints, clock = recorder.samples, model.joints.size, state.clock[0]
     slices = sample_columns(model, state)
@@ -314,7 +312,7 @@ def assemble(
 
 
 def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np.void]:
-    """Return a `contact_record` array: ended contacts (`closed`, rows of the recorder), then those still open."""
+    """Return a `contact_record` array: ended contacts (`closed`, rows of the recorder), then open contacts."""
     rows = [tuple(row) for row in closed]
     for j, joint_state in enumerate(state.joints):
         if joint_state["in_contact"]:
@@ -334,7 +332,7 @@ def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np
 
 
 def _limits_of_the_laws(joints: Any, contacts: Any, normal: Array, tangential: Array) -> dict[str, Any]:
-    """Return how often contact and friction left the range in which their laws mean something."""
+    """Return how often contact and friction left their laws' range: `slow_contacts` and `creeping_share`."""
     loose = joints["kind"] == m.CLEARANCE
     pressed = normal[:, loose] > 0.0
     coulomb = joints["friction_coefficient"][loose] * normal[:, loose]

@@ -1,5 +1,5 @@
-"""Pages: one file of HTML that needs no network, with deployments in motion, linked plots and tables.
+"""HTML pages, each in one file that needs no network, with animated deployments, linked plots and tables.
 
-`content` says what a page holds, in plain numbers; `document` writes it, with Plotly's library inside; `page.js`
-draws it in the browser: a slider moves arrays, bearings and the cursors of all plots over time.
+`content` holds the data of a page as plain numbers; `document` writes the page, with Plotly's library inside; `page.js`
+draws the page in the browser. A slider moves arrays, bearings and the cursors of all plots over time.
 """

@@ -1,4 +1,4 @@
-"""Contents of a page: motions, charts and tables, in plain numbers that say nothing of how they were computed."""
+"""Contents of a page as plain numbers, whatever computed them: motions, charts and tables."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,17 +11,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A deployment as the page shows it: nt moments, nj joints.
+    """Motion of a deployment for a page: nt moments, nj joints.
 
     Attributes:
-        name: in words.
-        time: (nt,) ascending [s].
-        body: (nt, 4, 2) corners of the main body, in order round it [m].
+        name: name of the motion in words.
+        time: (nt,) moments, ascending [s].
+        body: (nt, 4, 2) corners of the main body, in order round the body [m].
         panels: a polyline (nt, k, 2) for each panel, from its inner hinge to its tip [m].
-        eccentricity: (nt, nj, 2) journal centre minus bearing centre, per clearance; zero for ideal joints.
-        clearance: (nj,) [m].
+        eccentricity: (nt, nj, 2) journal centre minus bearing centre, divided by clearance; zero for ideal joints.
+        clearance: (nj,) radial clearances [m].
         force: (nt, nj) contact force [N].
-        latch_times: (nj,) [s], nan if not latched.
+        latch_times: (nj,) latch times [s], nan if not latched.
         torque: (nt, motors) torques of the motors [N m].
     """
 
@@ -38,11 +38,11 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A line of a chart.
+    """A line through points of a chart.
 
     Attributes:
         name: name in the legend.
-        x, y: (n,); in charts round a bearing x is an angle [deg].
+        x, y: (n,) coordinates; in charts round a bearing x is an angle [deg].
         colour: "#rrggbb".
         dash: "solid", "dash" or "dot".
     """
@@ -66,7 +66,7 @@ class Chart:
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
         polar: whether y is drawn round a circle; then `y` is the unit alone.
         limits: limits of y; by default the lines set them.
-        bars: names of the places 0, 1, 2, ... on the vertical axis, from the top, where lines are drawn as bars.
+        bars: names of positions 0, 1, 2, ... on the vertical axis, from the top, if lines are drawn as bars.
     """
 
     title: str

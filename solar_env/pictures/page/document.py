@@ -1,4 +1,4 @@
-"""A page as one file of HTML, which fetches nothing; program and numbers are packed, which saves half of its size."""
+"""Writer of a page as one HTML file that fetches nothing; compressed program and numbers save half of the size."""
 
 import base64
 import gzip
@@ -16,21 +16,21 @@ from solar_env.support.files import write_text
 _FOLDER = Path(__file__).parent
 _DIGITS = 6  # significant digits of every number in the page
 _PLACES = 4  # decimal places of coordinates in metres, which are drawn in steps of some millimetres
-# The browser refuses all content from elsewhere.
+# Under this policy the browser refuses all content from elsewhere.
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
 
 def write_page(page: Page, path: Path) -> None:
-    """Write a page, whole or not at all.
+    """Write a page to a file atomically.
 
     Raises:
-        OSError: if it cannot be written.
+        OSError: if the file cannot be written.
     """
     write_text(path, page_text(page))
 
 
 def page_text(page: Page) -> str:
-    """Return the file's text."""
+    """Return the HTML text of a page."""
     from plotly.offline import get_plotlyjs
 
     data = {
@@ -62,19 +62,19 @@ def page_text(page: Page) -> str:
 
 
 def _packed(text: str) -> str:
-    """Return a text as gzip in base64."""
+    """Compress a text by gzip, and encode it in base64."""
     return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
 def _numbers(values: ArrayLike) -> object:
-    """Return values as nested lists of numbers with a few digits; numbers that are not finite become None."""
+    """Convert values to nested lists of numbers with a few digits; numbers that are not finite become None."""
     array = np.asarray(values, dtype=float)
     flat = [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in array.ravel().tolist()]
     return np.array(flat, dtype=object).reshape(array.shape).tolist()
 
 
 def _motion(motion: Motion) -> dict[str, object]:
-    """Return a motion for the page's data, with polylines as x, y, x, y, ..."""
+    """Convert a motion to the page's data, with each polyline flattened to x, y, x, y, ..."""
     body, *panels = (
         _numbers(np.round(line.reshape(len(motion.time), -1), _PLACES)) for line in (motion.body, *motion.panels)
     )

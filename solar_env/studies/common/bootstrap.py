@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FEWEST = 4
-"""Values with fewer of which an interval says nothing."""
+"""Least number of values for which an interval is given."""
 
 _RESAMPLES, _SEED = 2000, 0
 
 
 def resampled_means(values: Array) -> Array:
-    """Return the (resamples, ...) means of (n, ...) values; for the same n the same members are always drawn."""
+    """Return the (resamples, ...) bootstrap means of (n, ...) values; calls with equal n draw the same members."""
     count = len(values)
     chosen = np.random.default_rng(_SEED).multinomial(count, np.full(count, 1.0 / count), size=_RESAMPLES)
     return np.asarray(np.tensordot(chosen / count, values, axes=1))
@@ -23,7 +23,7 @@ def resampled_means(values: Array) -> Array:
 def mean_band(values: Array) -> tuple[float, float, float]:
     """Return the mean of (n,) values and the ends of its 95 % percentile bootstrap interval.
 
-    The same values give the same band. All three are nan if there is no value or if one is nan.
+    The same values give the same interval. The results are nan without values, or if a value is nan.
     """
     if len(values) == 0 or np.isnan(values).any():
         return math.nan, math.nan, math.nan

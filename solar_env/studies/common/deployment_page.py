@@ -1,4 +1,4 @@
-"""Deployments as pages and films show them: motions, scenes and charts over time, from trajectories."""
+"""Content of pages and films that show deployments: motions, scenes and charts, made from trajectories."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -21,15 +21,15 @@ Array = NDArray[np.float64]
 Samples = NDArray[np.intp]
 Reading = Callable[[Trajectory], tuple[Array, Array]]  # (n,) horizontal values, (n, lines) vertical values
 
-# Times between two shown samples, early and late [s]; late samples begin a margin before the first latching [s].
+# Times between shown samples [s], at first and later; the later interval begins _MARGIN [s] before the first latching.
 _SLOW, _FAST, _MARGIN = 0.05, 0.005, 0.1
-_WINDOW = 0.2  # window [s] whose greatest value a line of several deployments shows
+_WINDOW = 0.2  # length [s] of the windows whose greatest values are drawn when a chart compares several deployments
 _FEMTOMETRES = 1e15  # femtometres per metre
 _DASHES = ("solid", "dash", "dot")
 
 
 def shown_samples(trajectory: Trajectory) -> Samples:
-    """Return the indices of the samples that a page shows: few until just before the first latching, many after."""
+    """Return the indices of the samples that a page shows: sparse until just before the first latching, then dense."""
     latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
     begin = latched.min() - _MARGIN if len(latched) else np.inf
     step = np.where(trajectory.time < begin, _SLOW, _FAST)
@@ -40,7 +40,7 @@ def shown_samples(trajectory: Trajectory) -> Samples:
 def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
     """Return the (kept, joints) greatest contact force [N] from each shown sample to the next one.
 
-    The peak of every contact counts, at the sample of greatest force within the contact.
+    The recorded peak of a contact counts at the contact's sample of greatest force.
     """
     forces, contacts = trajectory.normal_force.copy(), trajectory.contacts
     begins = np.maximum(np.searchsorted(trajectory.time, contacts["start_s"]) - 1, 0)
@@ -52,7 +52,7 @@ def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
 
 
 def motion_of(trajectory: Trajectory, name: str) -> Motion:
-    """Make a page's motion of the array; the trajectory's metadata tell model, integrator and parameters."""
+    """Make a page's motion record `name` from a trajectory, whose metadata hold the model and the parameters."""
     kept = shown_samples(trajectory)
     body, panels = _lines(trajectory, kept)
     clearance = trajectory.clearance
@@ -70,7 +70,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
 
 
 def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
-    """Return the main body's corners (kept, 4, 2) and each panel's axis (kept, points, 2) at the kept samples [m]."""
+    """Return the main body's corners (kept, 4, 2) and each panel's axis (kept, points, 2) at the `kept` samples [m]."""
     parameters, model = compiled(trajectory)
     bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
     axes = [centreline(model, trajectory.coordinates[kept], body, 1) for body in bodies]
@@ -84,7 +84,7 @@ def _motors(trajectory: Trajectory) -> Array:
 
 
 def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
-    """Make the scenes of a film of a trajectory, one every `interval` [s], each with the peak forces until then."""
+    """Make a film's scenes from a trajectory, one every `interval` [s], each with the history of peak forces so far."""
     times = np.arange(0.0, trajectory.time[-1] + 0.5 * interval, interval)
     kept = np.minimum(np.searchsorted(trajectory.time, times - 1e-9), len(trajectory.time) - 1)
     body, panels = _lines(trajectory, kept)
@@ -111,7 +111,7 @@ def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
 
 
 def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -> Table:
-    """Make a folded table of every parameter with its unit and, if any is drawn, the ranges of those drawn."""
+    """Make a folded table of all parameters with values and units, and with the `ranges` of parameters to be drawn."""
     known, drawn = units(), ranges or {}
     columns = ("parameter", "value", "unit", *(("drawn between",) if drawn else ()))
     rows = []
@@ -133,9 +133,9 @@ def _entered(value: object) -> str:
 def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
     """Make the charts of the angles, forces, gaps, torques, energies and wear of deployments, given by name.
 
-    A single deployment has a colour for each joint. Several have a colour for each controller, a dash for each joint.
-    Forces and gaps jump from impact to impact, and their lines would hide each other: each of several deployments has
-    only one such line, the greatest value of all joints, window by window.
+    A single deployment has a colour for each joint; several have a colour for each controller, a dash for each joint.
+    Forces and gaps jump from impact to impact, and the lines of several deployments would hide each other. Each of
+    several deployments therefore has one force line and one gap line: the greatest of all joints in each time window.
     """
     single = len(trajectories) == 1
 
@@ -179,7 +179,7 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
 
 
 def _shown(read: Callable[[Trajectory, Samples], Array]) -> Reading:
-    """Make a reading at the samples that a page shows."""
+    """Make a chart reading: the times of the shown samples, and the values that `read` returns at these samples."""
 
     def reading(trajectory: Trajectory) -> tuple[Array, Array]:
         kept = shown_samples(trajectory)
@@ -193,33 +193,33 @@ def _greatest(read: Callable[[Trajectory], Array]) -> Reading:
 
 
 def greatest_in_windows(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return the starts of time windows, and the (windows, 1) greatest of (n, joints) values in each, at any joint."""
+    """Return the start times of windows, and the (windows, 1) greatest of the (n, joints) values in each window."""
     starts = np.flatnonzero(np.diff(np.floor(time / _WINDOW + 1e-6), prepend=-1.0))
     return time[starts], np.maximum.reduceat(values.max(axis=1, keepdims=True), starts)
 
 
 def _energies(trajectory: Trajectory, kept: Samples) -> Array:
-    """Return the (kept, 4) energies [J]: kinetic, of the springs, all stored, and lost."""
+    """Return the (kept, 4) energies [J] at the `kept` samples: kinetic, spring, all stored, and lost energy."""
     energies = trajectory.energies
     stored, lost = (np.sum([energies[part] for part in parts], axis=0) for parts in (STORED, DISSIPATED))
     return np.column_stack([energies["kinetic"], energies["spring"], stored, lost])[kept]
 
 
 def _worn(trajectory: Trajectory) -> tuple[Array, Array]:
-    """Return angles [deg] round the bearings, in their bodies' frames, and the bearings' wear depths [fm] there."""
+    """Return angles [deg] round the bearings, in the frames of their bodies, and wear depths [fm] at these angles."""
     angles = np.linspace(0.0, 360.0, trajectory.wear_bearing.shape[1], endpoint=False)
     return angles, _FEMTOMETRES * trajectory.wear_bearing.T
 
 
 def _on_scale_of_forces(chart: Chart) -> Chart:
-    """Put a chart of forces on the frames' scale: soft landings show beside hard ones, and zero just below the axis."""
+    """Put a force chart on the films' logarithmic scale, to show soft and hard impacts; draw zero below the axis."""
     low, high = (10.0**decade for decade in FORCE_DECADES)
     limits = low, max(high, *(1.1 * float(line.y.max()) for line in chart.lines))
     lines = [replace(line, y=np.maximum(line.y, 0.63 * low)) for line in chart.lines]
     return replace(chart, lines=lines, logarithmic="y", limits=limits)
 
 
-# Chart -> title, and the title's values: by joint, or a single one; of each of several deployments the greatest.
+# Chart -> title, and reader of the title's values (one per joint, or one); comparisons show the greatest value.
 _TITLES: Mapping[str, tuple[str, Callable[[Trajectory], Array]]] = {
     "angles": ("Joints latch after {} s", lambda t: t.latch_times),
     "forces": ("Contact forces after latching peak at {} N", lambda t: t.postlock_peak_force),

@@ -1,4 +1,4 @@
-"""Drawing that the studies share: panels, axes, legends, saving. Figures are drawn from tables alone."""
+"""Drawing functions that the studies share, for axes, legends and saving; figures are drawn from tables alone."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -47,7 +47,7 @@ def use_decades(axis: Axes, which: str) -> None:
 
 
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:
-    """Write a figure of `make_figure`, its conclusion as the title above, a note and a legend of names below.
+    """Write a figure made by `make_figure`, with `title` (its conclusion) above, and note and legend below.
 
     The same tables give the same file.
     """
@@ -60,7 +60,7 @@ def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note
 
 
 def short(value: float) -> str:
-    """Format a number in about five characters."""
+    """Format a number for a label, in about five characters."""
     if value == 0.0 or 0.01 <= abs(value) < 1000.0:
         return f"{value:.3g}"
     mantissa, exponent = f"{value:.0e}".split("e")

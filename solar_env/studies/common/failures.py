@@ -1,4 +1,4 @@
-"""Members of ensembles whose simulation cannot go on: they are left out, named and counted, up to a share."""
+"""Failed simulations of an ensemble, which are left out, named and counted, up to a tenth of the runs."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,7 @@ def told(failures: Mapping[str, str], runs: int) -> str:
     """State in one sentence which of `runs` runs failed and why, by name; return an empty text if every run succeeded.
 
     Raises:
-        ValueError: if more than a tenth of the runs failed: the others are a choice rather than a sample.
+        ValueError: if more than a tenth of the runs failed: the remaining runs would be a biased sample.
     """
     if not failures:
         return ""

@@ -1,4 +1,4 @@
-"""Scenes and levels that studies simulate, motions (the record of a run, whichever program made it), their errors."""
+"""Scenes and model levels that studies simulate; motions, which record a run of any program; and errors of motions."""
 
 import math
 import warnings
@@ -16,23 +16,23 @@ from solar_env.mechanics.running.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-# In the runs of an ensemble the method's settings lie within this share of the nominal setting.
+# Greatest relative deviation of an ensemble member's tolerance or step from the nominal setting.
 SETTING_SHARE = 3e-3
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A deployment from rest."""
+    """A deployment to simulate, with any program, from the folded configuration."""
 
-    model: str  # the level as a word, see `ModelLevel`
+    model: str  # model level as a word, see `ModelLevel`
     parameters: ArrayParameters
     duration: float  # s
     sample_step: float  # time between sampled angles [s]
-    forces_kept: bool = False  # whether programs that sample peak contact forces must do so at every step
+    forces_kept: bool = False  # whether a program that samples contact forces must sample them at every step
 
     @property
     def level(self) -> ModelLevel:
-        """The level that the model's word names."""
+        """The model level that the word `model` names."""
         return ModelLevel.of(self.model)
 
     @property
@@ -43,17 +43,17 @@ class Scene:
 
 
 def with_panels(model: str, panels: str) -> str:
-    """Return the word of a model whose panels, if flexible, consist of `panels`, such as "6 elements"."""
+    """Return a model's name with other flexible panels, such as "6 elements"; a rigid model's name stays unchanged."""
     level = ModelLevel.of(model)
     return f"{level.name}:{panels}" if level.flexible else level.name
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Record of a run: nt samples, nj joints; nan where the program that made the run does not tell.
+    """Record of a run with nt samples and nj joints; a number that the program does not report is nan.
 
     Totals (nj,) count from the first latching on: "peak_force_N", the greatest contact force or, with ideal joints,
-    the greatest reaction; "sliding_work_J"; and "impacts", their number. "wear_depth_m" counts the whole run.
+    the greatest reaction; "sliding_work_J"; and "impacts", the number of impacts. "wear_depth_m" counts the whole run.
     """
 
     time: Array  # (nt,) [s]
@@ -68,10 +68,10 @@ class Motion:
 
 
 def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
-    """Return the array of an ensemble's member: its release rates are uniform within RELEASE_RATE of the nominal rates.
+    """Return a member's parameters, with release rates drawn uniformly within RELEASE_RATE of the nominal rates.
 
-    Different places of a hinge would not do: the lasting contact of the deployment wipes the differences out, and all
-    members would be alike at the latching. Member 0 is the nominal array.
+    Varying a hinge's position would not do: the lasting contact during the deployment erases such differences, and all
+    members would be alike at the latching. Member 0 has the nominal parameters.
     """
     rates = RELEASE_RATE * _deviations(member, len(parameters.joints))
     nominal = parameters.for_each_joint("initial_rate")
@@ -79,12 +79,12 @@ def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
 
 
 def perturbed_setting(value: float, member: int) -> float:
-    """Return a member's tolerance or step, uniform within SETTING_SHARE of the nominal value, which member 0 has."""
+    """Return a member's tolerance or step, uniform within SETTING_SHARE of `value`; member 0 has `value` itself."""
     return value * (1.0 + SETTING_SHARE * float(_deviations(member, 1, stream=1)[0]))
 
 
 def _deviations(member: int, count: int, stream: int = 0) -> Array:
-    """Draw (count,) numbers in [-1, 1], the same for the same member and stream; zeros for member 0."""
+    """Draw (count,) random numbers in [-1, 1], seeded by member and stream; zeros for member 0."""
     return np.random.default_rng([member, stream]).uniform(-1.0, 1.0, count) * (member > 0)
 
 
@@ -102,26 +102,26 @@ class Level:
 
     @property
     def size(self) -> str:
-        """Panels and tolerance in words: "rigid", "6 elements", "32 modes, rtol / 4"."""
+        """Panels and tolerance of the level in words: "rigid", "6 elements", "32 modes, rtol / 4"."""
         return self.panels.size if self.tighter == 1.0 else f"{self.panels.size}, rtol / {self.tighter:g}"
 
     @property
     def panels(self) -> ModelLevel:
-        """The level that the word `model` names."""
+        """The model level, without the tolerance, that the word `model` names."""
         return ModelLevel.of(self.model)
 
     @property
     def name(self) -> str:
-        """The level in words."""
+        """Model, panels and tolerance of the level in words."""
         return f"{self.panels.name}, {self.size}" if self.panels.flexible else self.panels.name
 
     def integrator(self, member: int = 0) -> RungeKutta:
-        """Return the integrator of a member of an ensemble."""
+        """Return the default integrator at this level's tolerance, slightly varied for an ensemble member."""
         default = default_integrator(self.model)
         return replace(default, rtol=perturbed_setting(default.rtol, member) / self.tighter)
 
     def deploy(self, parameters: ArrayParameters, member: int, duration: float, output_step: float) -> Trajectory:
-        """Simulate a member of an ensemble of deployments, see `perturbed`.
+        """Simulate an ensemble member's deployment at this level, with parameters from `perturbed`.
 
         Raises:
             SimulationError: if the run cannot go on.
@@ -136,7 +136,7 @@ class Level:
 
 
 FINEST = Level("flexible-clearance:48 modes", tighter=10.0)
-"""Finer than all levels of the ladder; beams come down to it with 48 elements."""
+"""Reference level, finer than all levels of the ladder; beams of 48 elements agree with it."""
 
 
 def run_ours(scene: Scene, integrator: Integrator) -> Motion:
@@ -153,7 +153,7 @@ def run_ours(scene: Scene, integrator: Integrator) -> Motion:
 
 
 def from_trajectory(trajectory: Trajectory) -> Motion:
-    """Make the motion of a run of our simulator."""
+    """Convert a trajectory of our simulator to a motion record."""
     latched = np.nanmin([*trajectory.latch_times, math.inf])
     late = trajectory.contacts[trajectory.contacts["start_s"] > latched]
     return Motion(
@@ -178,7 +178,7 @@ def angle_error(motion: Motion, reference: Motion, until: float) -> float:
     """Return the greatest difference [rad] of joint angles between a motion and its reference, up to `until` [s].
 
     Raises:
-        ValueError: if the samples of the two lie at different times.
+        ValueError: if the samples of the two motions lie at different times.
     """
     if motion.time.shape != reference.time.shape or not np.allclose(motion.time, reference.time, rtol=0.0, atol=1e-9):
         raise ValueError("the samples of the two motions lie at different times")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from solar_env.array import MODELS, ArrayParameters
 from solar_env.studies.common.motion import Scene, with_panels
 
-# The peer's friction sets in at rest; everything is measured with the same law.
+# Exudyn's friction sets in at rest; all programs are measured with the same friction law.
 PARAMETERS = ArrayParameters(friction_speed_zero=0.0)
 # Springs 25 times as stiff deploy the array in a fifth of the time; the preload keeps the cable taut under them.
 FAST_PARAMETERS = replace(PARAMETERS, spring_stiffness=(2.5, 1.875), cable_preload_force=1250.0)
@@ -13,10 +13,10 @@ FAST_PARAMETERS = replace(PARAMETERS, spring_stiffness=(2.5, 1.875), cable_prelo
 
 @dataclass(frozen=True)
 class Ensemble:
-    """A level of the study of convergence, and the size of its ensemble."""
+    """A model level of the convergence study, and the size of the ensemble simulated at the level."""
 
     panels: str  # "6 elements" or "32 modes"; empty for rigid panels
-    members: int  # runs with clearance
+    members: int  # number of runs with clearance
     tighter: float = 1.0  # divisor of the default tolerance
 
 
@@ -37,22 +37,22 @@ SHORT_LEVELS = (
 
 @dataclass(frozen=True)
 class ChartPlan:
-    """Scenes that a chart simulates, and how often."""
+    """Scenes that a chart simulates, and the numbers of settings, repeats and ensemble members."""
 
     models: tuple[str, ...] = MODELS
     parameters: ArrayParameters = PARAMETERS
-    panels: str = "6 elements"  # parts of flexible panels, where the method does not prescribe them
-    duration: float = 13.0  # duration of deployments [s]; beyond the latching
+    panels: str = "6 elements"  # flexible panels of methods that do not prescribe the panels
+    duration: float = 13.0  # duration of deployments [s], which end after the latching
     before_latch: float = 12.0  # time up to which angles are compared [s]
     settings: int | None = None  # number of a method's settings measured, from the coarsest; None for all
     repeats: int = 3  # repeats of every measured time
-    ensemble_size: int = 16  # runs of an ensemble side by side, see `motion.perturbed`
-    ensemble_duration: float = 16.0  # duration of the deployments in the study of convergence [s]
-    levels: tuple[Ensemble, ...] = LEVELS  # levels of that study; the last of beams and of modes are the finest
+    ensemble_size: int = 16  # ensemble members in the study `side_by_side`, see `motion.perturbed`
+    ensemble_duration: float = 16.0  # duration of the deployments in the convergence study [s]
+    levels: tuple[Ensemble, ...] = LEVELS  # convergence levels; the last beams and the last modes are the finest
     side_duration: float = 30.0  # duration of the deployments that are timed side by side [s]
 
     def deployment(self, model: str) -> Scene:
-        """Make the scene of a model's deployment, up to a moment after its latching."""
+        """Make the scene of a model's deployment, which ends shortly after the latching."""
         return Scene(with_panels(model, self.panels), self.parameters, self.duration, self.before_latch / 120.0)
 
 

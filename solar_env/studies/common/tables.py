@@ -1,4 +1,4 @@
-"""Tables of measured rows: CSV files with their provenance."""
+"""Tables of measured rows, written to and read from CSV files with their provenance."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Table:
     provenance: Mapping[str, str]
 
     def where(self, **cells: Cell) -> Table:
-        """Return the table of the rows that have these cells."""
+        """Return the table of those rows whose named cells have the given values."""
         kept = (row for row in self.rows if all(row[name] == value for name, value in cells.items()))
         return Table(tuple(kept), self.provenance)
 
@@ -48,7 +48,7 @@ class Table:
         return np.array([number(row, name) for row in self.rows], dtype=float)
 
     def values(self, name: str) -> tuple[Cell, ...]:
-        """Return the different cells of a column, in the order of their first appearance."""
+        """Return the distinct cells of a column, in the order of their first appearance."""
         return tuple(dict.fromkeys(row[name] for row in self.rows))
 
 
@@ -64,7 +64,7 @@ class _Read(dict[str, Cell]):
 
 
 def number(row: Mapping[str, Cell], name: str) -> float:
-    """Return a cell that must be a number.
+    """Return the number in a row's cell `name`.
 
     Raises:
         ValueError: if the cell is not a number.
@@ -106,7 +106,7 @@ def read_table(path: Path) -> Table:
 
     Raises:
         OSError: if the file cannot be read.
-        ValueError: if the file is damaged; or later, when a column that it lacks is looked up.
+        ValueError: if the file is damaged; or later, when code asks the table for a missing column.
     """
     made_by: dict[str, Any] = _Read(path)
     try:

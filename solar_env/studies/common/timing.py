@@ -1,4 +1,4 @@
-"""Timing of a study's runs: all once, then all again, so that disturbances of the machine meet all alike."""
+"""Timing of a study's runs: all once, then all again, so that disturbances of the machine affect all alike."""
 
 import math
 import statistics
@@ -17,7 +17,7 @@ Key = TypeVar("Key", bound=Hashable)
 
 @dataclass(frozen=True)
 class Job:
-    """A run of a study."""
+    """A run of a study, to be simulated and timed."""
 
     name: str
     solve: Callable[[], Motion]  # raises SimulationError if it cannot go on
@@ -27,7 +27,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Measured:
-    """Repeats of one run: the motion of the first and the times of all [s], or the reason of a failure."""
+    """Result of repeating one run: the first motion and all wall times [s], or the reason for a failure."""
 
     motion: Motion | None = None
     walls: tuple[float, ...] = ()
@@ -35,7 +35,7 @@ class Measured:
 
     @property
     def wall(self) -> float:
-        """Median of the repeats [s]; nan if the run could not go on."""
+        """Median wall time of the repeats [s]; nan if the run failed."""
         return statistics.median(self.walls) if self.walls else math.nan
 
     def times(self) -> Row:
@@ -45,9 +45,9 @@ class Measured:
 
 
 def measure(jobs: Mapping[Key, Job], announce: Callable[[str], None] = lambda name: None) -> dict[Key, Measured]:
-    """Run every job once, announced by its name, then repeat the jobs, each up to its number of repeats.
+    """Run every job once, after calling `announce` with its name, then repeat each job up to its number of repeats.
 
-    Linear algebra gets one thread: for such small matrices a second one gains nothing, and waits for a busy processor.
+    Linear algebra gets one thread: with small matrices a second thread gains nothing, and waits for a busy processor.
     """
     results = {key: Measured() for key in jobs}
     with threadpool_limits(1):

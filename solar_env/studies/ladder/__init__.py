@@ -1,6 +1,6 @@
-"""The ladder: levels of the model, with the questions that each answers, and its cost.
+"""The ladder of model levels: which questions each level answers, and what each level costs.
 
-`campaign` simulates every level, compares it with a finer reference and measures all into the table of
-`solar_env.array.ladder`, `plot` draws the table. Imports `common`. A further question is a row of `QUESTIONS` there and
-an answer in `campaign`.
+`campaign` simulates every level, compares it with a finer reference, and writes errors and costs into the table that
+`solar_env.array.ladder` reads. `plot` draws the table. Imports `common`. To add a question, add a row to `QUESTIONS` in
+`solar_env.array.ladder` and an answer to `campaign`.
 """

@@ -1,10 +1,10 @@
-"""Measurement of the error and cost of every level of the model, question by question, into a table.
+"""Measurement of all model levels: the error of each level for each question of the ladder, and the level's cost.
 
-Every level is run on its springs alone, and under fixed controllers. Its answers are compared with the reference's.
+Every level deploys on springs alone and under fixed controllers. Its answers are compared with a reference level's.
 
-Means of ensembles are compared, member by member. The same member is perturbed alike at all levels, so that common
-scatter cancels. The bands are bootstrap bands over the members (B. Efron, Ann. Statist. 7 (1979) 1), widened for small
-ensembles (T. C. Hesterberg, Am. Stat. 69 (2015) 371, doi:10.1080/00031305.2015.1089789).
+The comparison is between ensemble means. A member of the ensemble has the same perturbation at all levels, so that
+common scatter cancels. The error bands are bootstrap bands over the members (B. Efron, Ann. Statist. 7 (1979) 1),
+widened for small ensembles (T. C. Hesterberg, Am. Stat. 69 (2015) 371, doi:10.1080/00031305.2015.1089789).
 """
 
 import math
@@ -36,9 +36,9 @@ FILE = "ladder.csv"
 TASK = VERSIONS["v1"].task
 RANKING = "controller-ranking"
 _COVERAGE = 0.95  # coverage of the bands
-SAMPLE_STEP = 0.02  # s; time between two samples of the tip's place
-# Controllers without feedback: constant motor torques on the root hinge [N m], positive if they open it, and the times
-# at which they set in [s]. They latch the default array between 11 and 19 s.
+SAMPLE_STEP = 0.02  # s; time between two samples of the tip's position
+# Controllers without feedback: constant motor torque on the root hinge [N m], positive to open the hinge, and time [s]
+# at which the torque sets in. Under these controllers the default array latches between 11 and 19 s.
 CONTROLLERS = {
     "springs alone": (0.0, 0.0),
     "constant drive": (0.1, 0.0),
@@ -50,15 +50,15 @@ CONTROLLERS = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """Answers and cost of one run, or of one run under each controller."""
+    """Answers and cost of one ensemble member: from one run, or from one run under each controller."""
 
     answers: dict[str, Array]  # question -> (k, d): k quantities, each a vector of d components
     wall: float  # time taken [s]
-    evaluations: float  # evaluations of the right-hand side
+    evaluations: float  # number of evaluations of the right-hand side
 
 
 def deploy(level: Level, member: int, duration: float) -> Outcome:
-    """Deploy a member of the ensemble on the springs alone, for a duration [s].
+    """Deploy an ensemble member on its springs alone for `duration` [s].
 
     Returns:
         Answers to all questions except the ranking of controllers.
@@ -85,14 +85,14 @@ def deploy(level: Level, member: int, duration: float) -> Outcome:
 
 
 def control(level: Level, member: int, window: float) -> Outcome:
-    """Deploy a member of the ensemble under every controller, each up to a time [s] after the last latching.
+    """Deploy an ensemble member under every controller, each time until `window` [s] after the last latching.
 
     Returns:
-        RANKING: (controllers, 2) peak force [N] and sliding work [J] after the first latching, summed over the joints
-        as the environment's reward does.
+        The answer RANKING: (controllers, 2) peak force [N] and sliding work [J] after the first latching, summed over
+        the joints as in the environment's reward.
 
     Raises:
-        ValueError: if a controller misses the environment's deadline, so that there is nothing to rank.
+        ValueError: if a controller misses the environment's deadline, so that no ranking exists.
     """
     array, measures, evaluations, wall = build(perturbed(ArrayParameters(), member), level.model), [], 0.0, 0.0
     for name, (torque, start) in CONTROLLERS.items():
@@ -129,8 +129,8 @@ class LadderPlan:
         *(f"{elements} elements" for elements in (1, 2, 4, 6, 12)),
         *(f"{modes} modes" for modes in (8, 32)),
     )
-    reference: Level = FINEST  # level that all others are compared with, finer than they are
-    duration: float = 22.5  # duration of deployments on the springs alone [s]; they latch at 12.3 s
+    reference: Level = FINEST  # finer level with which all others are compared
+    duration: float = 22.5  # duration of deployments on the springs alone [s]; the joints latch at 12.3 s
     members: int = 16
     ideal_members: int = 3  # members with ideal joints, which have no chaos to average over
     controlled_members: int = 8  # members under each controller
@@ -144,7 +144,7 @@ class LadderPlan:
 
     @property
     def runs(self) -> list[tuple[Level, int, bool]]:
-        """Tuples (level, member, controlled), member by member, so that disturbances meet all levels alike."""
+        """Runs (level, member, controlled), ordered by member, so that disturbances affect all levels alike."""
         return [
             (level, member, controlled)
             for most, controlled in ((self.members, False), (self.controlled_members, True))
@@ -158,9 +158,9 @@ FULL = LadderPlan()
 
 
 def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
-    """Make every run, announced before it starts.
+    """Simulate every run of a plan, and call `announce` with a run's name before the run starts.
 
-    Returns a row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
+    Returns a table row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
     """
     done: dict[bool, dict[Level, list[Outcome]]] = {
         controlled: {level: [] for level in plan.levels} for controlled in (False, True)
@@ -188,7 +188,7 @@ def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
 
 
 def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
-    """Return a level's error against as many runs of the reference, and the half-width of its sampling band."""
+    """Return a level's error against the same members of the reference, and the error's sampling half-width."""
     level, other = (np.stack([run.answers[question] for run in runs]) for runs in (found, reference[: len(found)]))
     if question == RANKING:
         return ranking_error(level, other)
@@ -200,7 +200,7 @@ def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcom
 
 
 def measure_ladder(plan: LadderPlan, path: Path, console: Console) -> None:
-    """Measure the ladder, in full in a quarter of an hour, and write its table."""
+    """Measure the ladder and write the table; the full plan takes a quarter of an hour."""
     with counting_bar(console) as progress:
         methods = [level.integrator().name for level in plan.levels]
         task = progress.add_task(f"loading kernels{compilation_note(methods)}", total=len(plan.runs))
@@ -219,20 +219,20 @@ def measure_ladder(plan: LadderPlan, path: Path, console: Console) -> None:
 
 
 def _warm_up(plan: LadderPlan) -> None:
-    """Run a moment of every level, so that compiling and loading are not measured."""
+    """Simulate one sample step at every level, so that timings exclude compiling and loading."""
     for level in plan.levels:
         level.deploy(ArrayParameters(), 0, SAMPLE_STEP, SAMPLE_STEP)
 
 
 def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, float]:
-    """Return the greatest distance between two ensembles' means, and the half-width of its simultaneous 95 % band.
+    """Return the greatest distance between two ensembles' means, and the half-width of a simultaneous 95 % band.
 
     Args:
         level, reference: (n, k, d) answers of the same n members: k quantities, each a vector of d components.
         scale: (k,) scales by which the distances are divided.
 
     Returns:
-        The error, and what sampling may add to it: with 95 % probability no quantity's true distance exceeds their sum.
+        The distance, and the half-width: with 95 % probability no quantity's true distance exceeds their sum.
     """
     differences = level - reference
     mean = differences.mean(axis=0)
@@ -242,7 +242,7 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
 
 
 def _widening(count: int) -> float:
-    """Return the ratio of Student's to the normal quantile, times sqrt(n / (n - 1)); 1 for n = 1, without a band."""
+    """Return a band's widening: Student's quantile divided by the normal one, times sqrt(n / (n - 1)); 1 for n = 1."""
     if count == 1:
         return 1.0
     share = 0.5 * (1.0 + _COVERAGE)
@@ -250,10 +250,10 @@ def _widening(count: int) -> float:
 
 
 def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
-    """Return the share of discordant controller pairs (M. G. Kendall, Biometrika 30 (1938) 81) and its 95 % half-width.
+    """Return the discordant fraction of controller pairs, and the half-width of a 95 % band.
 
-    Both tables are (n, controllers, measures) of the same members. The controllers are ranked separately by each
-    measure. A pair that a level cannot tell apart counts half.
+    A pair ranked oppositely is discordant (M. G. Kendall, Biometrika 30 (1938) 81); a tie at either level counts half.
+    Both tables are (n, controllers, measures) for the same members; each measure ranks the controllers separately.
     """
     share = float(discordant_share(level.mean(axis=0), reference.mean(axis=0)))
     resampled = discordant_share(resampled_means(level), resampled_means(reference))
@@ -261,7 +261,7 @@ def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
 
 
 def discordant_share(level: Array, reference: Array) -> Array:
-    """Return the (...) shares of the pairs that two (..., controllers, measures) tables of means rank differently."""
+    """Return the (...) fractions of controller pairs that two (..., controllers, measures) tables rank differently."""
     first, second = np.triu_indices(reference.shape[-2], k=1)
     signs = [np.sign(table[..., first, :] - table[..., second, :]) for table in (level, reference)]
     return np.asarray((1.0 - signs[0] * signs[1]).mean(axis=(-2, -1)) / 2.0)

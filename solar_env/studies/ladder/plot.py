@@ -12,8 +12,8 @@ from solar_env.pictures.style import LEVEL_LOOKS, STEEL, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 
 _COLUMNS = 2
-_TOLERANCE = 0.1  # tolerance of the title
-_SMALLEST = 1e-6  # errors below are drawn here
+_TOLERANCE = 0.1  # relative error that the title's conclusion accepts
+_SMALLEST = 1e-6  # least error drawn; smaller errors are drawn at this value
 _NOTE = (
     "mark: error and 95 % sampling half-width (line), the tolerance from which a level answers; "
     "open: ideal joints; grey: the level chosen"
@@ -21,7 +21,7 @@ _NOTE = (
 
 
 def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
-    """Draw wall time divided by the reference's against error for every measured question; return the file."""
+    """Draw each level's wall time relative to the reference against error, a plot per question; return the file."""
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {_size(answer): look_of(_size(answer), LEVEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
@@ -66,7 +66,7 @@ def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
         if answer.error > 0.0:
             axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=look["color"])
         axis.plot([bound], [answer.cost_ratio], markersize=4, **look)
-    # The cost of the cheapest level against the tolerance; the curve begins at the finest level.
+    # Draw the cheapest level's cost against the tolerance, beginning at the finest level.
     chosen = steps(answers, answers[0].question)
     bounds, costs = [max(answer.bound, _SMALLEST) for answer in chosen], [answer.cost_ratio for answer in chosen]
     end = 2.0 * axis.get_xlim()[1]

@@ -103,7 +103,7 @@ def _what_changes(loads: Loads) -> str:
         most = [f"{parameter} {effect_text(effects, parameter)}" for parameter in effects.ranking[:_TOLD]]
         told.append(f"the {full_name(loads, name, joint)}: {', '.join(most) if most else 'nothing beyond its scatter'}")
     how = (
-        "standardised coefficients of what is drawn"
+        "standardised coefficients of the drawn parameters"
         if found.drawn
         else f"{100 * SHARE:g} % less, {100 * SHARE:g} % more"
     )
@@ -168,16 +168,13 @@ def _basis(loads: Loads) -> str:
     if drawn:
         text += f"drawn: {drawn}."
     else:
-        text += (
-            "no parameter is drawn, so that intervals and quantiles are those of the release alone, which is assumed: "
-            "give tolerances in the file."
-        )
+        text += "no parameter is drawn: intervals come from the release's assumed scatter; give tolerances in the file."
     if plan.members >= FEWEST:
         text += " \u00b1 is the 95 % interval of a mean."
     else:
         text += f" Fewer than {FEWEST} runs have no interval and no discretisation error."
     text += (
-        f" Level: {level.name}; the discretisation error of every figure is that seen at the finest level, "
+        f" Level: {level.name}; the discretisation error of a figure is its difference from the finest level, "
         f"{finest.name}: its mean minus this one, over the same runs."
     )
     if any(loads.unlatched):

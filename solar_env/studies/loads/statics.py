@@ -76,7 +76,7 @@ def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> l
         for held in (True, False)
     )
     return [
-        f"Motorization: {hinges} (springs and resistances at the worst ends of what is drawn, {MARGIN:g} times the "
+        f"Motorization: {hinges} (springs and resistances at the worst ends of the drawn ranges, {MARGIN:g} times the "
         f"resistances, with the uncertainty factors of ECSS-E-ST-33-01C: {counted}; without the friction of the pins).",
         f"Deployed{latched}, {loops}the array vibrates at {held} Hz with its hub held, at {free} Hz with it free.",
     ]

@@ -1,4 +1,4 @@
-"""The deployments and the linkage that the paper shows, and their simulation on several cores."""
+"""Deployments and four-bar linkage that the paper shows, and their simulation."""
 
 import math
 from collections.abc import Mapping
@@ -15,8 +15,8 @@ DURATION = 30.0  # s, duration of the deployments
 OUTPUT_STEP = 5e-3  # s
 MEMBERS = 6  # members of an ensemble
 JOINTS = (0, 1)
-PANELS = "6 elements"  # absolute nodal coordinates, as the paper's
-# Cases whose contact stiffness follows from Eq 40: the ending of their names, and the prefix of their columns.
+PANELS = "6 elements"  # beam elements in absolute nodal coordinates, as in the paper
+# Suffix of the names, and prefix of the table columns, of cases with the contact stiffness of Eq 40.
 EQ_40_CASE, EQ_40 = "-eq-40", "eq_40_"
 
 
@@ -25,7 +25,7 @@ _SIZES = {1: (1e-4, 2e-4), 2: (2e-4, 1e-4)}  # m; clearances of both joints in t
 CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
     **{model: (model, {}) for model in MODELS},
     **{f"distribution-{n}": ("rigid-clearance", {"clearance": sizes}) for n, sizes in _SIZES.items()},
-    # The same with a contact stiffness by joint, from Eq 40.
+    # The distribution models again, with each joint's contact stiffness from Eq 40.
     **{
         f"distribution-{n}{EQ_40_CASE}": ("rigid-clearance", {"clearance": sizes, "contact_stiffness": None})
         for n, sizes in _SIZES.items()
@@ -47,7 +47,7 @@ Changes = tuple[tuple[str, Value], ...]
 
 @dataclass(frozen=True)
 class CaseRun:
-    """A deployment to simulate: a case, the member of an ensemble, and the parameters that differ from the preset."""
+    """A deployment to simulate: the case, the ensemble member, and the parameters that differ from the preset."""
 
     case: str
     member: int = 0
@@ -55,16 +55,16 @@ class CaseRun:
 
 
 def simulate_run(run: CaseRun) -> Trajectory:
-    """Simulate a deployment with default settings as a member of an ensemble, see `motion.perturbed`."""
+    """Simulate a deployment with default integrator settings; `motion.perturbed` says how ensemble members differ."""
     model, changes = CASES[run.case]
     parameters = ArrayParameters.preset("paper").with_changes(dict(run.changes)).with_changes(changes)
     return Level(with_panels(model, PANELS)).deploy(parameters, run.member, DURATION, OUTPUT_STEP)
 
 
-# The four-bar linkage: the paper does not publish all its data. It has the links of the default crank-rocker, 1 kg per
-# metre, and the clearance and contact law of the array's joints. The sliding speed is the material points' speed: with
-# the joint centres' speed, friction would drive the crank. The axis of Fig 5, 2.00 to 2.08 s, is the 26th turn at 12.5
-# turns per second; this turn ends with the 416,000 steps of 5e-6 s that the paper takes.
+# The paper does not publish all data of its four-bar linkage. Here the linkage has the links of the default
+# crank-rocker, 1 kg per metre, and the clearance and contact law of the array's joints. The sliding speed is the
+# material points' speed: with the joint centres' speed, friction would drive the crank. The axis of Fig 5, 2.00 to
+# 2.08 s, is the 26th turn at 12.5 turns per second; the turn ends with the paper's 416,000 steps of 5e-6 s.
 FOUR_BAR_PIN = "crank-coupler"
 FOUR_BAR_RATE = 2.0 * math.pi * 12.5  # rad/s
 FOUR_BAR_TURNS = (6, 16, 26)
@@ -73,7 +73,7 @@ SAMPLES_PER_TURN = 720
 
 
 def simulate_four_bar(turns: int, with_clearance: bool) -> Trajectory:
-    """Simulate the linkage for a number of crank turns from centred journals; the pin is joint 1, counted from 0."""
+    """Simulate the linkage for `turns` crank turns from centred journals; the clearance is in joint 1, from 0."""
     array = ArrayParameters()
     bearing = replace(array.bearing(0), width=FOUR_BAR_WIDTH)
     mechanism = four_bar(crank_rate=FOUR_BAR_RATE, clearances={FOUR_BAR_PIN: bearing} if with_clearance else None)

@@ -1,4 +1,4 @@
-"""The paper's statements about its deployments, each a measured figure with the interval in which it agrees."""
+"""Claims of the paper about deployments, each tested by a measured figure that must lie in an interval."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -15,18 +15,18 @@ from solar_env.studies.paper.measures import both, joint_2_over_1, large_over_sm
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper, as a figure that must lie in an interval.
+    """A statement of the paper, tested by a measured figure that must lie in an interval.
 
     Attributes:
         key: short name.
-        statement: what the paper says, and the figure that is taken for it.
-        paper: the paper's figure, or the relation that it states.
-        cases: deployments that the figure is taken from.
-        measure: function from one motion of each of `cases`, in their order, to the figure.
-        low, high: interval in which the figure agrees, both ends included.
+        statement: the paper's statement, with the figure measured to test the statement.
+        paper: the paper's value of the figure, or the relation that the paper states.
+        cases: names of the deployments on which the figure is measured.
+        measure: function from the motions of `cases`, one per case in the same order, to the figure.
+        low, high: ends of the interval in which the figure agrees with the paper, both included.
         unit: unit of the figure.
-        open_parameters: parameters that the paper leaves open and the figure depends on; their ranges are tested.
-        why: the reason, if the figure differs.
+        open_parameters: parameters that the figure depends on and the paper leaves open; `survey` varies them.
+        why: reason for a disagreement, if the figure disagrees.
         by_construction: parameters left open by the paper that have been chosen to meet the claim, if any.
     """
 
@@ -44,20 +44,20 @@ class Claim:
 
     @property
     def on_flexible_panels(self) -> bool:
-        """True if the figure is taken from panels that bend."""
+        """True if the figure is measured on a deployment with flexible panels."""
         return any(map(is_flexible, self.cases))
 
     def value(self, motions: Mapping[str, Trajectory]) -> float:
-        """Return the figure from the motions of an ensemble's member, given by case."""
+        """Return the figure measured on one ensemble member, whose motions are given by case."""
         return self.measure(*(motions[case] for case in self.cases))
 
     def holds(self, value: float) -> bool:
-        """Return whether a figure agrees with the paper."""
+        """Return whether a value of the figure agrees with the paper."""
         return self.low <= value <= self.high
 
 
 def within(figure: float, share: float) -> tuple[float, float]:
-    """Return the interval of the figures that differ from `figure` by at most the `share` of it."""
+    """Return the interval of values that differ from `figure` by at most `share` times `figure`."""
     return figure * (1.0 - share), figure * (1.0 + share)
 
 
@@ -71,13 +71,13 @@ FLEXIBLE_OVER_RIGID = (*FLEXIBLE, *RIGID)
 MODELS_1_2 = ("distribution-1", "distribution-2")
 MODEL_2_OVER_1 = ("distribution-2", "distribution-1")
 _OPEN = ("cable_stiffness", "latch_stiffness", "latch_damping", "latch_gap")
-# Open parameters of models 1 and 2: by Eq 40 their different clearances would have different contact stiffnesses.
+# Open parameters of distribution models 1 and 2, whose different clearances have different stiffnesses by Eq 40.
 _OPEN_SIZES = (*_OPEN, "contact_stiffness")
 _OPEN_WEAR = ("friction_sliding", *_OPEN_SIZES)
 _HINGE = "hinge_y, cable_torque_ratio"
-_JOINT_2 = "rigid panels, joint 2 over joint 1 after latching: "
-_WHY_JOINT_2 = "which joint's latch stops more, and is struck more, hangs on the hinge's place and on the torque ratio"
-_WHY_SIZE = "where joint 2 has the small clearance joint 1 has the large one, and passes harder impacts on"
+_JOINT_2 = "rigid panels, ratio of joint 2 to joint 1 after latching: "
+_WHY_JOINT_2 = "the place of the hinge and the torque ratio decide which joint's latch stops more and is struck more"
+_WHY_SIZE = "if joint 2 has the small clearance, joint 1 has the large one, and passes harder impacts on"
 
 CLAIMS: tuple[Claim, ...] = (
     Claim(
@@ -114,7 +114,7 @@ CLAIMS: tuple[Claim, ...] = (
         both(sum, partial(measures.impacts, phase=2)), 0.0, 0.0,
     ),
     Claim(
-        "quiet", "... with a force near zero: greatest, over the post-lock peak", "about 0", RIGID,
+        "quiet", "... with a force near zero: greatest, divided by the post-lock peak", "about 0", RIGID,
         both(max, measures.force_in_deployment), 0.0, 0.01,
     ),
     Claim(
@@ -149,19 +149,19 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "flexible-initial-1", "flexible panels: initial impacts of joint 1 end, within 25 %", "1.143 s", FLEXIBLE,
         partial(measures.settled, joint=0), *within(1.143, 0.25), "s",
-        why="by chance joint 1 rests from 0.79 s, or one bounce later from 1.00 s, and the interval begins between",
+        why="by chance joint 1 rests from 0.79 s or, one bounce later, from 1.00 s; the interval begins between them",
     ),
     Claim(
         "flexible-initial-2", "flexible panels: initial impacts of joint 2 end, within 25 %", "1.34 s", FLEXIBLE,
         partial(measures.settled, joint=1), *within(1.34, 0.25), "s",
-        why="by chance joint 2 rests from 0.90 s, or one bounce later from 1.08 s, and the interval begins between; of "
-        "192 runs 40 % agree, 49 % at a tenth of the tolerance",
+        why="by chance joint 2 rests from 0.90 s or, one bounce later, from 1.08 s; the interval begins between them; "
+        "of 192 runs 40 % agree, 49 % at a tenth of the tolerance",
     ),
     Claim(
         "longer", "flexible panels: the initial phase lasts longer than with rigid ones (ratio, both joints)",
         "above 1", FLEXIBLE_OVER_RIGID, over_joints(min, measures.settled), *above(1.0),
-        why="by chance joint 2 rests from 0.90 s, or one bounce later from 1.08 s, with rigid panels from 0.94 s; of "
-        "192 runs 39 % agree, 43 % at a tenth of the tolerance",
+        why="by chance joint 2 rests from 0.90 s or, one bounce later, from 1.08 s, with rigid panels from 0.94 s; "
+        "of 192 runs 39 % agree, 43 % at a tenth of the tolerance",
     ),
     Claim(
         "impacts-later", "flexible panels: impacts during the deployment too", "some", FLEXIBLE,
@@ -182,8 +182,8 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "cable-torque", "flexible panels: the cable torque's amplitude is much larger (ratio)", "above 1",
         FLEXIBLE_OVER_RIGID, ratio(measures.cable_amplitude), *above(1.5), open_parameters=_OPEN,
-        why="larger it is, by a fifth at a latch gap of 0.01 rad; the smaller the gap, the more energy is left in the "
-        "panels' bending, and the belt feels more of it",
+        why="it is larger by a fifth at a latch gap of 0.01 rad; a smaller gap leaves more energy in the panels' "
+        "bending, which the cable feels",
     ),
     Claim(
         "cable-torque-late", "... after 20 s", "above 1", FLEXIBLE_OVER_RIGID,
@@ -219,15 +219,15 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "circling", "flexible panels: no journal circles at latching (greatest angle within 0.1 s)", "below 90 deg",
         FLEXIBLE, lambda motion: max(abs(measures.slide(motion, joint)) for joint in JOINTS), 0.0, 90.0, "deg",
-        why="journals go half round here, too, though in hops and less far than under rigid panels",
+        why="journals go half round the wall here, too, but in hops and less far than under rigid panels",
     ),
     Claim(
         "burst-times", "impacts are strong at 15.74, 17.63, 20.59, 28.48 and 29.33 s: mean rank of these windows' "
         "forces among all (0.5 by chance)", "bursts", RIGID, measures.burst_rank, 0.75, 1.0, open_parameters=_OPEN,
-        why="when bursts come hangs on the latch and on the cable, and after some seconds on chance",
+        why="the latch and the cable decide when bursts come; after some seconds chance does",
     ),
     Claim(
-        "late-bursts", "... to the end: greatest contact force after 27.5 s over the greatest, at least a quarter",
+        "late-bursts", "... to the end: greatest contact force after 27.5 s, at least a quarter of the greatest of all",
         "bursts", RIGID, measures.late_bursts, 0.25, 1.0, open_parameters=_OPEN,
         why="friction and the latches' damping have taken most of the energy by then",
     ),
@@ -262,7 +262,7 @@ CLAIMS: tuple[Claim, ...] = (
         "turns by pi, and to it model 2 gives the small clearance", by_construction="friction_sliding",
     ),
     Claim(
-        "distribution-evenness", "... and more evenly (ratio of deeper to shallower joint, model 2 over model 1)",
+        "distribution-evenness", "... and more evenly (ratio of deeper to shallower joint, model 2 divided by model 1)",
         "below 1", MODEL_2_OVER_1, ratio(lambda motion: float(motion.wear_depth.max() / motion.wear_depth.min())),
         0.0, 1.0, "", _OPEN_WEAR,
         why="as for the wear of the worst joint", by_construction="friction_sliding",

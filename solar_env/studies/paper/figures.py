@@ -1,4 +1,4 @@
-"""The paper's figures with results: each is a row of `FIGURES`, of a kind with a table, a picture and a conclusion."""
+"""The paper's figures that show results, by number in `FIGURES`; each has a table, a picture and a conclusion."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,14 +31,14 @@ from solar_env.studies.paper.kinds import (
 )
 
 PAPER_TURN = (2.00, 2.08)  # s; beginning and end of the time axis of the paper's Fig 5
-_TURN = 2.0 * math.pi / FOUR_BAR_RATE  # s
+_TURN = 2.0 * math.pi / FOUR_BAR_RATE  # s; duration of a crank turn
 
 
 class FourBar(PaperFigure):
     """Crank moment and rocker speed of the four-bar linkage in the last turn; journal wear after FOUR_BAR_TURNS."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Simulate the linkage, also with an ideal joint (0 turns), and return the table; no deployments are needed."""
+        """Simulate the linkage with clearance and, as 0 turns, without; return the table. `members` is ignored."""
         motions = {0: simulate_four_bar(1, with_clearance=False)}
         motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
         rows: list[Row] = []
@@ -72,13 +72,13 @@ class FourBar(PaperFigure):
 
 
 def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]:
-    """Return the rows of a curve against time [s] or an angle [deg]."""
+    """Return a curve's table rows, one per point, for values at times [s] or at angles [deg]."""
     pairs = zip(places.tolist(), values.tolist(), strict=True)
     return [{"quantity": quantity, "turns": turns, "place": place, "value": value} for place, value in pairs]
 
 
 def _last_turn(motion: Trajectory) -> dict[str, Array]:
-    """Return the drive's mean moment [N m] and the rocker's mid speed [rad/s] between samples of the last turn."""
+    """Return the drive's moment [N m] and the rocker's speed [rad/s], averaged between samples of the last turn."""
     work = motion.energies["external_work"][-SAMPLES_PER_TURN - 1 :]
     speed = motion.rates[-SAMPLES_PER_TURN - 1 :, -1]
     return {

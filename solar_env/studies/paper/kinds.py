@@ -1,7 +1,7 @@
-"""Kinds of figures that the paper shows of its array: from trajectories to a table, and from a table to a picture.
+"""Kinds of figures in the paper: each kind makes a table from trajectories, and a picture from the table.
 
-Pictures are drawn from the tables alone, panel for panel as the paper's. As on the paper's axes, joint angles are in
-radians, angles round a bearing in degrees and paths in micrometres.
+Pictures are drawn from the tables alone, with the panels of the paper's figures. As on the paper's axes, joint angles
+are in radians, angles round a bearing in degrees and paths in micrometres.
 """
 
 import itertools
@@ -30,11 +30,11 @@ Array = NDArray[np.float64]
 # s; force curves show the greatest force in windows of this length, because samples would miss impacts.
 FORCE_WINDOW = 0.01
 PHASES = ("initial", "deployment", "after latching")
-JOINT_NUMBERS = (1, 2)  # as the columns of the tables count them
+JOINT_NUMBERS = (1, 2)  # joints as the table columns count them
 SURFACES = {"bearing": "-", "journal": ":"}
-# Ends of the paper's axes: Figs 20 and 21 [N], 22 and 23 [m].
+# Ends of the vertical axes in the paper's Figs 20 and 21 [N], 22 and 23 [m].
 PAPER_FORCE, PAPER_WEAR = 300.0, 7e-14
-# Prefixes of the columns of Figs 20 to 23, and the contact stiffness that each belongs to.
+# Column prefixes in the tables of Figs 20 to 23, each with the contact stiffness that the prefix stands for.
 STIFFNESSES = (("", "stiffness of Table 1"), (EQ_40, "stiffness of Eq 40"))
 
 
@@ -45,9 +45,9 @@ class PaperFigure(ABC):
     Attributes:
         number: number of the figure in the paper.
         title: content of the figure.
-        cases: names of the deployments needed; a second one is the first with the contact stiffness of Eq 40.
-        ensemble: true for the median and the range of an ensemble. Otherwise the figure shows the nominal run, for
-            example where impacts strike at other times in every member.
+        cases: names of the deployments needed; a `CaseFigure`'s second case is the first with the stiffness of Eq 40.
+        ensemble: true if the figure shows median and range of an ensemble. Otherwise the figure shows the nominal
+            run, for example because impacts strike at other times in every member.
     """
 
     number: int
@@ -58,15 +58,15 @@ class PaperFigure(ABC):
 
     @abstractmethod
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return the figure's table, from the deployments of these members of the ensemble."""
+        """Make the figure's table from the deployments of ensemble members."""
 
     @abstractmethod
     def _draw(self, figure: Figure, table: Table) -> None:
-        """Draw the panels."""
+        """Draw the table's panels into an empty Matplotlib figure."""
 
     @abstractmethod
     def _conclude(self, table: Table) -> str:
-        """State the conclusion from the table in words."""
+        """State in words the conclusion that the table allows."""
 
     @property
     def stem(self) -> str:
@@ -75,13 +75,13 @@ class PaperFigure(ABC):
 
     @property
     def heading(self) -> str:
-        """Number, title and the runs that the figure shows."""
+        """Heading with the figure's number, its title, and the runs that the figure shows."""
         shown = f"median and range of {MEMBERS} runs" if self.ensemble else "nominal run"
         return f"Fig. {self.number}: {self.title}" + (f"; {shown}" if self.cases else "")
 
     @property
     def members(self) -> range:
-        """The members of the ensemble that the figure shows."""
+        """Numbers of the ensemble members that the figure shows."""
         return range(MEMBERS if self.ensemble else 1)
 
     def draw(self, table: Table, path: Path) -> None:
@@ -97,7 +97,7 @@ class DeploymentFigure(PaperFigure):
     """A figure of deployments, whose table has a column for each quantity."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return the table, with nine digits; an ensemble's has medians, and columns `_least` and `_greatest`."""
+        """Return the table, rounded to nine digits; an ensemble's has medians and columns `_least` and `_greatest`."""
         tables = [self._columns(member) for member in members]
         columns = tables[0]
         if self.ensemble:
@@ -112,11 +112,11 @@ class DeploymentFigure(PaperFigure):
 
     @abstractmethod
     def _columns(self, member: Member) -> dict[str, Array]:
-        """Return the columns of a member's table."""
+        """Return the table columns of one ensemble member; the first column is the abscissa."""
 
 
 class CaseFigure(DeploymentFigure):
-    """A figure of one case, or of two beside each other; the columns of the second begin with EQ_40."""
+    """A figure of one case, or of two cases side by side; column names of the second case begin with EQ_40."""
 
     def _columns(self, member: Member) -> dict[str, Array]:
         first, *others = (self._of(member[case]) for case in self.cases)
@@ -124,7 +124,7 @@ class CaseFigure(DeploymentFigure):
 
     @abstractmethod
     def _of(self, motion: Trajectory) -> dict[str, Array]:
-        """Return the columns of a deployment."""
+        """Return the table columns of one deployment; the first column is the abscissa."""
 
 
 def _by_joint(name: str, values: Array) -> dict[str, Array]:
@@ -137,7 +137,7 @@ def _finish_time(axis: Axes, table: Table, label: str) -> None:
 
 
 def _draw_median(axis: Axes, table: Table, place: str, name: str, colour: str, **look: Any) -> None:
-    """Draw a curve of medians, and the range round it."""
+    """Draw a curve of medians, and shade the range from least to greatest value."""
     places = table.column(place)
     axis.plot(places, table.column(name), color=colour, **look)
     least, greatest = (table.column(f"{name}_{end}") for end in ("least", "greatest"))
@@ -149,7 +149,7 @@ def _frame(axis: Axes, top: float) -> None:
 
 
 class Angles(CaseFigure):
-    """Joint angles, and the ranges over which they still swing in the last 10 s."""
+    """A figure of the joint angles, which states the angles' ranges in the last 10 s."""
 
     ensemble = True
 
@@ -172,7 +172,7 @@ class Angles(CaseFigure):
 
 @dataclass(frozen=True)
 class JournalPath(CaseFigure):
-    """Path of the journal of a joint, counted from 0, in the three phases, and the times when the phases change."""
+    """Path of a joint's journal in the three PHASES, with the times of phase changes; joints are counted from 0."""
 
     joint: int
 
@@ -205,7 +205,7 @@ class JournalPath(CaseFigure):
 
 
 class ContactForces(CaseFigure):
-    """Greatest contact forces in short windows, joint by joint; two cases stand side by side, in the paper's frame."""
+    """Each joint's greatest contact force in short windows; two cases stand side by side, with the paper's axis end."""
 
     column, label, unit = "force_{}_N", "contact force [N]", "N"
 
@@ -238,7 +238,7 @@ class ContactForces(CaseFigure):
 
 @dataclass(frozen=True)
 class Torques(ContactForces):
-    """Torques, joint by joint: the trajectory's attribute `quantity`."""
+    """Torques of each joint, from the trajectory's attribute `quantity`."""
 
     quantity: str
 
@@ -249,7 +249,7 @@ class Torques(ContactForces):
 
 
 class Wear(CaseFigure):
-    """Wear depths round bearings and journals with both contact stiffnesses, and the surface that is worn deepest."""
+    """Wear depths round bearings and journals for both contact stiffnesses; the conclusion names the deepest wear."""
 
     ensemble = True
 
@@ -285,7 +285,7 @@ class Wear(CaseFigure):
 
 @dataclass(frozen=True)
 class Models(DeploymentFigure):
-    """A quantity of the four models, and the differences from the first model in each phase."""
+    """A joint quantity in the four MODELS, and its differences from the first model in each phase."""
 
     quantity: str
     unit: str

@@ -1,6 +1,6 @@
-"""Figures that measure the paper's statements, each from the deployments that a claim names, in their order.
+"""Figures that test the paper's statements: functions of the deployments that a claim names, in the claim's order.
 
-`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` make such figures from figures of motions.
+`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` combine figures of single motions or joints.
 """
 
 import math
@@ -23,14 +23,14 @@ LASTING = 0.05  # s; a contact this long or longer is no impact: impacts last a 
 WINDOW = 0.25  # s; length of the windows in which impacts and latch torques are compared
 TOUCH_TOLERANCE = 1e-6  # m; a journal nearer to the wall than this touches it
 FIRST_PEAK = 0.4  # s; the first peak of a latch torque comes within this time of the latching
-LATE = 20.0  # s
+LATE = 20.0  # s; time after which the late cable torque is compared
 QUIET = (2.0, 12.5)  # s; times between which vibrations are compared, clear of the start and of the latching
-RUNNING_MEAN = 0.5  # s; slower motion is no vibration
+RUNNING_MEAN = 0.5  # s; width of the running mean; slower motion does not count as vibration
 SLIDE = 0.1  # s; duration of the slide round the wall at latching
 LAGGING, LONGEST_LAG = 10.0, 1.0  # s; duration of the compared oscillations, and their greatest shift
-SETTLED = 0.25  # a lock torque has settled when it stays below this share of its greatest
-BURSTS = (15.74, 17.63, 20.59, 28.48, 29.33)  # s; when the paper's Fig 10 shows bursts of impacts
-LAST_BURSTS = 27.5  # s; the last two bursts come after it
+SETTLED = 0.25  # fraction of the greatest lock torque below which a settled lock torque stays
+BURSTS = (15.74, 17.63, 20.59, 28.48, 29.33)  # s; times at which the paper's Fig 10 shows bursts of impacts
+LAST_BURSTS = 27.5  # s; the last two bursts come after this time
 
 
 def ratio(figure: Figure) -> Comparison:
@@ -39,7 +39,7 @@ def ratio(figure: Figure) -> Comparison:
 
 
 def both(choose: Callable[[Iterable[float]], float], figure: Callable[..., float]) -> Callable[..., float]:
-    """Make a figure of one or several motions by `choose` from the figures of both joints."""
+    """Make a figure of one or several motions: `choose`, such as `max` or `sum`, of the figures of both joints."""
     return lambda *motions: choose(figure(*motions, joint=joint) for joint in JOINTS)
 
 
@@ -49,12 +49,12 @@ def joint_2_over_1(figure: FigureOfJoint) -> Figure:
 
 
 def over_joints(choose: Callable[[Iterable[float]], float], figure: FigureOfJoint) -> Comparison:
-    """Make a comparison: a figure of a motion divided by the same of a second one, by `choose` from both joints."""
+    """Make a comparison: compute each joint's ratio of one motion's figure to a second's, and `choose` one ratio."""
     return lambda motion, reference: choose(figure(motion, joint) / figure(reference, joint) for joint in JOINTS)
 
 
 def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
-    """Make a comparison of distribution models 1 and 2: a joint's figure with 0.2 mm divided by that with 0.1 mm.
+    """Make a comparison of distribution models 1 and 2: ratio of a joint's figure at 0.2 mm clearance to 0.1 mm.
 
     Joint 1 has the larger clearance in model 2, joint 2 in model 1.
     """
@@ -62,7 +62,7 @@ def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
 
 
 def contacts_of(motion: Trajectory, joint: int) -> NDArray[np.void]:
-    """Return the contacts of a joint in the order of their starts; contacts under way end with the run."""
+    """Return the contacts of a joint in the order of their starts; an open contact gets the end time of the run."""
     contacts = motion.contacts[motion.contacts["joint"] == joint].copy()
     contacts["end_s"] = np.where(np.isnan(contacts["end_s"]), motion.time[-1], contacts["end_s"])
     return contacts[np.argsort(contacts["start_s"], kind="stable")]
@@ -76,14 +76,14 @@ def settled(motion: Trajectory, joint: int) -> float:
 
 
 def contacts_in(motion: Trajectory, joint: int, phase: int) -> NDArray[np.void]:
-    """Return the contacts of a joint that start in a phase; the contact that settles the joint belongs to no phase."""
+    """Return the contacts of a joint that start in a phase of `phase_of`; the first lasting contact is in no phase."""
     contacts, first, latched = contacts_of(motion, joint), settled(motion, joint), motion.latch_times[joint]
     start = contacts["start_s"]
     return contacts[{1: start < first, 2: (start > first) & (start < latched), 3: start > latched}[phase]]
 
 
 def phase_of(motion: Trajectory, joint: int) -> NDArray[np.int64]:
-    """Return the (nt,) phase of every sample: 1 initial, 2 deployment, 3 after latching."""
+    """Return the (nt,) phase of a joint at every sample: 1 initial impacts, 2 deployment, 3 after latching."""
     changes = settled(motion, joint), motion.latch_times[joint]
     return 1 + np.sum([motion.time >= change for change in changes], axis=0)
 
@@ -105,7 +105,7 @@ def greatest_torque(motion: Trajectory, joint: int, edges: Array) -> Array:
 
 
 def windows_after_latching(motion: Trajectory) -> Array:
-    """Return the edges [s] of windows of WINDOW from the last latching to the end of the run."""
+    """Return the edges [s] of time windows of length WINDOW, from the last latching to the end of the run."""
     return np.arange(float(np.nanmax(motion.latch_times)), motion.time[-1], WINDOW)
 
 
@@ -116,7 +116,7 @@ def journal_angle(motion: Trajectory, joint: int) -> Array:
 
 
 def _maxima(time: Array, values: Array, edges: Array) -> Array:
-    """Return the (k,) greatest value in each window; zero in windows without values."""
+    """Return the (k,) greatest of the values, sampled at `time`, in each window; zero in windows without values."""
     greatest = np.zeros(len(edges) - 1)
     place = np.searchsorted(edges, time, side="right") - 1
     inside = (place >= 0) & (place < len(greatest))
@@ -125,43 +125,43 @@ def _maxima(time: Array, values: Array, edges: Array) -> Array:
 
 
 def rank_correlation(a: Array, b: Array) -> float:
-    """Return Spearman's rank correlation of two signals, because forces span decades."""
+    """Return Spearman's rank correlation of two signals; ranks suit forces, which span decades."""
     return float(spearmanr(a, b).statistic)
 
 
 def decay(motion: Trajectory, joint: int) -> float:
-    """Return the rank correlation of the initial impacts' speeds with time."""
+    """Return the rank correlation of impact speed with time over a joint's initial impacts."""
     initial = contacts_in(motion, joint, 1)
     return rank_correlation(initial["start_s"], initial["impact_speed"])
 
 
 def one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
-    """Return the length of the mean direction of the journal's touches: 1 for one side, 0 for both alike."""
+    """Return the length of the mean contact direction in a phase: 1 if contacts are on one side, 0 if all round."""
     touching = (phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
     return float(np.abs(np.exp(1j * journal_angle(motion, joint)[touching]).mean()))
 
 
 def impacts(motion: Trajectory, joint: int, phase: int = 3) -> float:
-    """Return the number of contacts that start in a phase."""
+    """Return the number of a joint's contacts that start in a phase of `phase_of`."""
     return float(len(contacts_in(motion, joint, phase)))
 
 
 def force_in_deployment(motion: Trajectory, joint: int) -> float:
-    """Return the greatest contact force of the deployment divided by the greatest after latching."""
+    """Return a joint's greatest contact force in the deployment phase divided by the greatest force after latching."""
     quiet = motion.normal_force[phase_of(motion, joint) == 2, joint].max()
     return float(quiet / motion.postlock_peak_force[joint])
 
 
 def time_of_turning(motion: Trajectory, joint: int) -> float:
-    """Find the time [s] in the lasting contact of the deployment when the journal is furthest up or down."""
+    """Find the time [s] in the deployment phase at which the journal is furthest from the bearing's centre along y."""
     phase, height = phase_of(motion, joint), motion.eccentricity[:, joint, 1]
     return float(motion.time[np.where(phase == 2, np.abs(height), -1.0).argmax()])
 
 
 def slide(motion: Trajectory, joint: int) -> float:
-    """Return the angle [deg] that the journal slides round the wall within SLIDE of the latching, as the paper sees it.
+    """Return the greatest angle [deg] by which a journal moves round the wall within SLIDE after the latching.
 
-    The paper's panels fold to the other side, so its view is mirrored: anticlockwise here is negative.
+    Anticlockwise in the paper is positive. The paper's panels fold to the other side, so the paper's view mirrors ours.
     """
     angle, start = journal_angle(motion, joint), float(motion.latch_times[joint])
     window = (motion.time >= start) & (motion.time <= start + SLIDE)
@@ -170,7 +170,7 @@ def slide(motion: Trajectory, joint: int) -> float:
 
 
 def median_peak(motion: Trajectory, joint: int) -> float:
-    """Return the median of the contacts' greatest forces after latching [N]."""
+    """Return the median peak force [N] of a joint's contacts after latching."""
     return float(np.median(contacts_in(motion, joint, 3)["peak_force"]))
 
 
@@ -181,24 +181,24 @@ def window_forces(motion: Trajectory) -> Array:
 
 
 def window_force(motion: Trajectory, joint: int) -> float:
-    """Return the mean greatest contact force [N] of windows of 0.25 s after latching: the height that an eye takes."""
+    """Return the mean of the greatest forces [N] in windows of 0.25 s after latching: the height that a plot shows."""
     return float(window_forces(motion)[joint].mean())
 
 
 def bursts(motion: Trajectory) -> float:
-    """Return the rank correlation of forces and latch torques by window."""
+    """Return the rank correlation of contact force and latch torque, greatest values by window after latching."""
     edges = windows_after_latching(motion)
     torques = np.sum([greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
     return rank_correlation(window_forces(motion).max(axis=0), torques)
 
 
 def synchrony(motion: Trajectory) -> float:
-    """Return the rank correlation of both joints' forces by window."""
+    """Return the rank correlation of both joints' greatest contact forces by window after latching."""
     return rank_correlation(*window_forces(motion))
 
 
 def burst_rank(motion: Trajectory) -> float:
-    """Return the mean rank, 0 to 1, of the windows that contain the paper's bursts, among all by greatest force."""
+    """Return the mean force rank (0 to 1 over all windows) of the windows that contain the paper's bursts."""
     edges, forces = windows_after_latching(motion), window_forces(motion).max(axis=0)
     ranks = forces.argsort().argsort() / (len(forces) - 1)
     return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
@@ -213,13 +213,13 @@ def late_bursts(motion: Trajectory) -> float:
 
 
 def first_latch_torque(motion: Trajectory, joint: int) -> float:
-    """Return the greatest latch torque within FIRST_PEAK of the latching [N m]."""
+    """Return the greatest latch torque [N m] of a joint within FIRST_PEAK after its latching."""
     since = motion.time - motion.latch_times[joint]
     return float(np.abs(motion.latch_torque[(since >= 0.0) & (since <= FIRST_PEAK), joint]).max())
 
 
 def lock_torque(motion: Trajectory, joint: int) -> float:
-    """Return the greatest latch torque [N m]."""
+    """Return the greatest latch torque [N m] of a joint in the whole run."""
     return float(np.abs(motion.latch_torque[:, joint]).max())
 
 
@@ -230,18 +230,18 @@ def settling_time(motion: Trajectory, joint: int) -> float:
 
 
 def engagements(motion: Trajectory) -> float:
-    """Count the times that the latch torques of both joints set in, as samples show them."""
+    """Count how often the sampled latch torques of both joints change from zero to nonzero after the first latching."""
     acting = motion.latch_torque[motion.time >= np.nanmin(motion.latch_times)] != 0.0
     return float((acting[1:] & ~acting[:-1]).sum())
 
 
 def cable_amplitude(motion: Trajectory, since: float = 0.0) -> float:
-    """Return the greatest cable torque [N m] from the time `since` [s] on."""
+    """Return the greatest magnitude of the cable torque [N m] from the time `since` [s] on."""
     return float(np.abs(motion.cable_torque[motion.time >= since]).max())
 
 
 def swing(motion: Trajectory, joint: int) -> float:
-    """Return the root mean square [rad] of the joint angle about its mean after the last latching."""
+    """Return the standard deviation [rad] of the joint angle after the last latching."""
     return float(motion.angles[motion.time > np.nanmax(motion.latch_times), joint].std())
 
 
@@ -257,8 +257,8 @@ def vibration(motion: Trajectory) -> float:
 def lag(reference: Trajectory, motion: Trajectory, joint: int) -> float:
     """Return the time [s] by which a joint's oscillation after latching lags the same oscillation of a reference.
 
-    The lag is the shift within LONGEST_LAG with the greatest cross-correlation of the angles over LAGGING from the last
-    latching of each run. A parabola through the maximum and its neighbours places it between samples.
+    The lag is the shift within LONGEST_LAG that maximizes the cross-correlation of the angles for LAGGING after each
+    run's last latching. A parabola through the maximum and its neighbours interpolates the lag between samples.
     """
     step = float(motion.time[1] - motion.time[0])
     signals, late = [], []

@@ -1,6 +1,6 @@
-"""Sets of the parameters that the paper leaves open, found by a search: `identification-shortlist.csv`, `-front.csv`.
+"""Sets of values for the parameters that the paper leaves open: `identification-shortlist.csv`, `-front.csv`.
 
-The search ended with commit d3d47ea, which has its program. The page of this study has its results.
+A search found the sets. Commit d3d47ea is the last with the search program. The page of this study has the results.
 """
 
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from solar_env.studies.paper.cases import Changes, Value
 from solar_env.support.readme import STUDIES
 
 FOLDER = STUDIES / "paper"
-LATCH_DEPTH = 0.01  # rad; the tables have the latches' torque at this depth, not their stiffness
+LATCH_DEPTH = 0.01  # rad; depth in the stop at which the tables give the latch torque, from which the stiffness follows
 _COLUMNS = (
     "hinge_y", "cable_torque_ratio", "cable_stiffness", "cable_preload_force", "latch_gap", "latch_exponent",
     "latch_damping", "latch_ramp_depth", "friction_speed_zero",
@@ -18,7 +18,7 @@ _COLUMNS = (
 
 
 def found_sets() -> dict[str, Changes]:
-    """Return the changes of the `paper` preset by set: the shortlist's names, then "front 1", "front 2" and so on."""
+    """Return changes to the `paper` preset by set name: the shortlist's names, then "front 1", "front 2" and so on."""
     rows = {str(row["name"]): row for row in read_table(FOLDER / "identification-shortlist.csv").rows}
     front = read_table(FOLDER / "identification-front.csv").rows
     rows |= {f"front {number}": row for number, row in enumerate(front, start=1)}

@@ -1,6 +1,5 @@
 """Measurement of claims over an ensemble, and over the ranges of parameters that the paper leaves open."""
 
-import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,11 +8,12 @@ import numpy as np
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.studies.common.tables import Row
 from solar_env.studies.paper.cases import MEMBERS, CaseRun, Changes, Value, is_flexible
 from solar_env.studies.paper.claims import CLAIMS, Claim
 from solar_env.support.markdown import markdown_table
 
-# Values beside the defaults: of parameters that the paper leaves open, and of the sliding speed that sets the wear.
+# Values tested beside the defaults, of the parameters that the paper leaves open and of the wear's sliding speed.
 RANGES: Mapping[str, tuple[Value, ...]] = {
     "friction_sliding": ("centres", "places"),
     "cable_stiffness": (5.0, 10.0, 40.0, 80.0),
@@ -22,21 +22,21 @@ RANGES: Mapping[str, tuple[Value, ...]] = {
     "latch_gap": (0.003, 0.03),
     "contact_stiffness": (None,),  # by Eq 40
 }
-# Members at each value; a single one where flexible panels are needed, whose runs take long.
+# Ensemble members at each value; a claim on flexible panels, whose runs take long, uses a single member.
 RANGE_MEMBERS = 3
 Motions = Mapping[CaseRun, Trajectory]
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Verdict on a claim, with the figures it rests on.
+    """Verdict on a claim, with the measured figures behind the verdict.
 
     Attributes:
         claim: claim that is judged.
         median, least, greatest: statistics of the figure over the ensemble.
-        agreeing: share of the members in which the claim holds.
-        holds_for: by parameter that the paper leaves open, the values at which the claim holds; the default included.
-        fails_for: likewise, the values at which the claim fails.
+        agreeing: fraction of the ensemble members in which the claim holds.
+        holds_for: parameter that the paper leaves open -> values at which the claim holds, the default included.
+        fails_for: parameter that the paper leaves open -> values at which the claim fails, the default included.
     """
 
     claim: Claim
@@ -69,7 +69,7 @@ def _range_members(claim: Claim) -> range:
 
 
 def judge(claim: Claim, motions: Motions) -> Finding:
-    """Measure a claim on the runs that `planned_runs` lists."""
+    """Judge a claim by its figure, measured on the runs that `planned_runs` lists."""
     members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.changes})
     figures = _figures(claim, motions, members)
     median, preset = float(np.median(figures)), ArrayParameters.preset("paper")
@@ -80,7 +80,7 @@ def judge(claim: Claim, motions: Motions) -> Finding:
         for value in RANGES[parameter]:
             varied = _figures(claim, motions, _range_members(claim), ((parameter, value),))
             found[value] = float(np.median(varied))
-        # Numbers in their order, then names and None, by Eq 40.
+        # Sort numbers first, then names and None (stiffness by Eq 40).
         ordered = sorted(found, key=lambda value: (value if isinstance(value, float) else math.inf, str(value)))
         for values, holding in ((holds_for, True), (fails_for, False)):
             values[parameter] = [value for value in ordered if claim.holds(found[value]) == holding]
@@ -89,23 +89,22 @@ def judge(claim: Claim, motions: Motions) -> Finding:
 
 
 def _figures(claim: Claim, motions: Motions, members: Iterable[int], changes: Changes = ()) -> np.ndarray:
-    """Return the figure of every member, with the preset or with changes of it."""
+    """Return the claim's figure for each ensemble member, with the preset or with `changes` to the preset."""
     return np.array(
         [claim.value({case: motions[CaseRun(case, member, changes)] for case in claim.cases}) for member in members]
     )
 
 
-def as_json(findings: Iterable[Finding]) -> str:
-    """Format the findings as JSON text; numbers that are not finite become null."""
-    rows = []
+def as_rows(findings: Iterable[Finding]) -> list[Row]:
+    """List the findings as table rows; a cell names the values of open parameters at which the claim holds."""
+    rows: list[Row] = []
     for one in findings:
         claim = one.claim
         row = {name: getattr(claim, name) for name in ("key", "statement", "paper", "unit", "low", "high")}
-        row |= {name: getattr(one, name) for name in ("median", "least", "greatest", "agreeing", "agrees")}
-        row = {name: None if isinstance(v, float) and not math.isfinite(v) else v for name, v in row.items()}
-        row |= {"holds_for": one.holds_for, "fails_for": one.fails_for}
+        row |= {name: getattr(one, name) for name in ("median", "least", "greatest", "agreeing")}
+        row |= {"agrees": "yes" if one.agrees else "no", "holds_at": _places(one)}
         rows.append({**row, "why": "" if one.agrees else claim.why, "by_construction": claim.by_construction})
-    return json.dumps(rows, indent=1)
+    return rows
 
 
 def summary(findings: Sequence[Finding]) -> str:
@@ -114,44 +113,40 @@ def summary(findings: Sequence[Finding]) -> str:
     agreeing = sum(finding.agrees for finding in free)
     chosen = len(findings) - len(free)
     return (
-        f"{agreeing} of {len(free)} claims agree ({agreeing / max(len(free), 1):.0%}); {chosen} more, of which "
-        f"{sum(finding.agrees for finding in findings) - agreeing} agree, have had a parameter chosen for them."
+        f"{agreeing} of {len(free)} claims agree ({agreeing / max(len(free), 1):.0%}). Parameters were chosen to meet "
+        f"{chosen} more claims, of which {sum(finding.agrees for finding in findings) - agreeing} agree."
     )
 
 
 def as_markdown(findings: Sequence[Finding]) -> str:
-    """Format the findings as a sentence and a table in Markdown."""
-    columns = ("", "the paper says", "there", "here: median [least, greatest]", "agrees from, to", "")
-    rows = []
+    """Format the claims that differ as a table in Markdown; claims that differ for one reason share a line."""
+    by_reason: dict[str, list[Finding]] = {}
     for one in findings:
-        claim = one.claim
-        values = f"{one.median:.4g} [{one.least:.4g}, {one.greatest:.4g}] {claim.unit}".strip()
-        ends = [f"{end:.4g}" for end in (claim.low, claim.high)]
-        interval = " to ".join(ends).replace("-inf to", "to")
-        if claim.high == math.inf:
-            interval = f"from {ends[0]}"
-        rows.append((f"`{claim.key}`", claim.statement, claim.paper, values, interval, _verdict(one)))
-    return f"{summary(findings)}\n\n{markdown_table(columns, rows)}"
-
-
-def _verdict(finding: Finding) -> str:
-    claim = finding.claim
-    words = "agrees" if finding.agrees else ": ".join(filter(None, ("**differs**", claim.why)))
-    if claim.by_construction:
-        chosen = ", ".join(f"`{name}`" for name in claim.by_construction.split(", "))
-        words += f" by construction: {chosen} chosen for it"
-    if 0.0 < finding.agreeing < 1.0:
-        words += f" ({finding.agreeing:.0%} of the runs agree)"
-    places = []
-    for parameter, held in finding.holds_for.items():
-        failed = finding.fails_for[parameter]
-        name = f"`{parameter}`"
-        places.append(
-            f"{name} {_listed(held)}, not {_listed(failed)}"
-            if held and failed
-            else f"{'every' if held else 'no'} {name}"
+        if not one.agrees:
+            by_reason.setdefault(one.claim.why or one.claim.key, []).append(one)
+    rows = [
+        (
+            ", ".join(f"`{one.claim.key}`" for one in group),
+            # Statements that share a reason share what stands before the colon.
+            "; ".join([group[0].claim.statement, *(one.claim.statement.rpartition(": ")[2] for one in group[1:])]),
+            "; ".join(dict.fromkeys(one.claim.paper for one in group)),
+            "; ".join(f"{one.median:.4g} {one.claim.unit}".strip() for one in group),
+            group[0].claim.why,
         )
-    return "; holds at ".join(filter(None, (words, "; at ".join(places))))
+        for group in by_reason.values()
+    ]
+    columns = ("claim", "the paper says", "there", "here, median", "why it differs")
+    return markdown_table(columns, rows)
+
+
+def _places(finding: Finding) -> str:
+    """Name the values of open parameters at which the claim holds."""
+    places = []
+    for name, held in finding.holds_for.items():
+        failed = finding.fails_for[name]
+        some = f"{name} {_listed(held)}, not {_listed(failed)}"
+        places.append(some if held and failed else f"{'every' if held else 'no'} {name}")
+    return "; ".join(places)
 
 
 def _listed(values: Iterable[Value]) -> str:

@@ -2,14 +2,14 @@
 
 All parts that carry a force are compiled objects of the library, chosen for their speed:
 
-* rigid panels: bodies in the plane with three coordinates, springs and cable loop together as one linear stiffness
-  matrix over their rotations;
+* rigid panels: planar bodies with three coordinates each; one linear stiffness matrix on the bodies' rotations holds
+  springs and cable loop;
 * rigid panels with ideal joints, for explicit solvers: a kinematic tree, which has no constraints;
-* flexible panels: cable elements in absolute nodal coordinates, Kelvin-Voigt damping as ours, and a massless body along
+* flexible panels: cable elements in absolute nodal coordinates with our Kelvin-Voigt damping, and a massless body along
   the chord of the inner panel, against which the wheels of the cable loop turn;
 * clearance: a sphere in a hollow sphere with exponent 1.5 and Hunt and Crossley's damping 3 (1 - e) / 2, in which the
-  coefficient of restitution e is set so that the damping factor is ours;
-* latches: the torque of the stop as a symbolic expression, which the library evaluates itself.
+  coefficient of restitution e is set so that the damping factor equals ours;
+* latches: the stop's torque as a symbolic expression, which the library evaluates itself.
 """
 
 import itertools
@@ -23,12 +23,12 @@ from solar_env.studies.common.motion import Scene
 from solar_env.studies.peers.exudyn_parts import PeerArray, Value, items
 
 _FOLDED = (-math.pi / 2, math.pi / 2)  # directions of the folded panels [rad]
-# By joint: rotation of the outboard relative to the inboard side when folded [rad], sense of the joint angle.
+# By joint: folded rotation of the outboard relative to the inboard body [rad], and sign of the joint angle.
 _ROTATIONS = ((-math.pi / 2, 1.0), (math.pi, -1.0))
 
 
 def build_peer(scene: Scene, implicit: bool) -> PeerArray:
-    """Assemble the array of a scene for an implicit solver, or for an explicit one, which takes no constraints."""
+    """Assemble a scene's array for an implicit or an explicit solver; explicit solvers take no constraints."""
     p = scene.parameters
     if p.panel_count != 2 or max(p.entries("friction_speed_zero")) > 0.0:
         raise ValueError("the peer's objects express two panels, and friction that sets in at rest")
@@ -40,15 +40,15 @@ def build_peer(scene: Scene, implicit: bool) -> PeerArray:
 
 
 class RigidArray(PeerArray):
-    """Rigid bodies of three coordinates each."""
+    """Peer array of rigid bodies with three planar coordinates each."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add everything but the latches."""
+        """Add all parts except the latches; return the pairs of coordinate markers that the latches act on."""
         p, system = self.p, self.system
         node, body = self.base()
         nodes, bodies = [node], [body]
         y = p.hinge_y - self.panel.length / 2
-        for angle, (speed, spin) in zip(_FOLDED, self.release(), strict=True):  # the second lies folded back
+        for angle, (speed, spin) in zip(_FOLDED, self.release(), strict=True):  # the second panel lies folded back
             speed -= spin * self.panel.length / 2 * math.sin(angle)
             node = items.NodeRigidBody2D(
                 referenceCoordinates=[p.hinge_x, y, angle], initialVelocities=[speed, 0.0, spin]
@@ -68,16 +68,16 @@ class RigidArray(PeerArray):
         return list(itertools.pairwise(turns))
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Return the joint angles [rad] from the turns of the three bodies."""
+        """Return the joint angles [rad] from the rotations of the main body and both panels."""
         base, first, second = values
         return first - base, first - second
 
 
 class TreeArray(PeerArray):
-    """A kinematic tree of the main body's three coordinates and two joint angles."""
+    """Peer array as a kinematic tree, whose coordinates are the main body's three and the two joint angles."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add everything but the latches."""
+        """Add all parts except the latches; return the pairs of coordinate markers that the latches act on."""
         p, system = self.p, self.system
         joint = exudyn.JointType
         node = system.AddNode(
@@ -88,7 +88,7 @@ class TreeArray(PeerArray):
                 numberOfODE2Coordinates=5,
             )
         )
-        # Two massless carriages and the main body's turn, then the panels, whose frames start folded.
+        # The tree chains two massless slides, the main body's rotation, and the panels, whose frames start folded.
         turns = [np.eye(3) for _ in range(3)]
         for angle in (_FOLDED[0], math.pi):
             c, s = round(math.cos(angle)), round(math.sin(angle))
@@ -122,10 +122,10 @@ class TreeArray(PeerArray):
 
 
 class BeamArray(PeerArray):
-    """Cable elements in absolute nodal coordinates."""
+    """Peer array with panels of cable elements in absolute nodal coordinates."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add everything but the latches."""
+        """Add all parts except the latches; return the pairs of coordinate markers that the latches act on."""
         p, system, elements = self.p, self.system, self.scene.level.count
         base, body = self.base()
         length = self.panel.length / elements
@@ -159,7 +159,7 @@ class BeamArray(PeerArray):
                     for pair in itertools.pairwise(nodes)
                 ]
             )
-        # (body, x, y) of bearing and journal of each joint.
+        # Bearing and journal of each joint, each as (body, x, y).
         ends = [
             ((body, p.hinge_x, p.hinge_y), (cables[0][0], 0.0, 0.0)),
             ((cables[0][-1], length, 0.0), (cables[1][0], 0.0, 0.0)),
@@ -172,14 +172,14 @@ class BeamArray(PeerArray):
         return [(self.ground, marker) for marker in rotations]
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Return the joint angles [rad] from the main body's turn and the slopes (x, y) at three ends of panels."""
+        """Return the joint angles [rad] from the main body's rotation and slope vectors (x, y) at three panel ends."""
         turn, root_x, root_y, tip_x, tip_y, outer_x, outer_y = values
         first = np.arctan2(root_x, -root_y) - turn
         second = math.pi - np.arctan2(tip_x * outer_y - tip_y * outer_x, tip_x * outer_x + tip_y * outer_y)
         return first, np.where(second > 1.75 * math.pi, second - 2.0 * math.pi, second)
 
     def _torques(self, ends: Any, markers: list[tuple[int, int]]) -> list[int]:
-        """Add the springs between the slopes and the cable loop; return the markers of the relative rotations."""
+        """Add the hinge springs and the cable loop; return the markers of the joints' relative rotations."""
         p, system = self.p, self.system
         rotations = []
         for j, (folded, sense) in enumerate(_ROTATIONS):
@@ -207,7 +207,7 @@ class BeamArray(PeerArray):
         return rotations
 
     def _rotation(self, inner: Any, outer: Any, folded: float) -> int:
-        """Add a marker of the rotation of one (body, x, y) relative to another, counted from the folded angle."""
+        """Add a marker of the relative rotation between two points (body, x, y), counted from the folded angle."""
         data = items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1)
         marker = items.MarkerBodiesRelativeRotationCoordinate(
             bodyNumbers=[inner[0], outer[0]],
@@ -220,7 +220,7 @@ class BeamArray(PeerArray):
         return int(self.system.AddMarker(marker))
 
     def _belt(self, ends: Any) -> int:
-        """Add a massless body along the inner panel's chord: pinned to one end of the panel, sliding on the other."""
+        """Add a massless body along the inner panel's chord; it is pinned to the panel's root and slides at the tip."""
         p, system = self.p, self.system
         speed, spin = self.release()[0]
         node = items.NodeRigidBody2D(

@@ -14,33 +14,33 @@ from solar_env.mechanics.mechanism import Stop
 from solar_env.studies.common.motion import Scene
 
 items = exudyn.itemInterface
-_SENSES = (1.0, -1.0)  # senses of the two joint angles as differences of the bodies' rotations
+_SENSES = (1.0, -1.0)  # signs that turn the rotation differences of neighbouring bodies into the two joint angles
 
-Value = Any  # a number or, where the library evaluates it, one of its symbols
+Value = Any  # a number, or a symbolic expression that Exudyn evaluates
 
 
 class PeerArray(ABC):
-    """An assembled array.
+    """An array assembled as an Exudyn system.
 
     Attributes:
-        scene, p: the scene, and the scene's parameters.
+        scene, p: the simulated scene, and the scene's parameters.
         system: system to be solved.
-        watched: (node, coordinate, value at rest) of the coordinates that the joint angles follow from.
-        sensors: node -> sensors of its coordinates and velocities.
-        contacts: sensors of the joints' contact forces, empty without clearance or if not asked for.
+        watched: coordinates that determine the joint angles, each as (node, index in the node, value at rest).
+        sensors: node -> sensors of the node's coordinates and of their rates.
+        contacts: sensors of the joints' contact forces; empty without clearance, or if the scene keeps no forces.
         latch_times: latch times of the joints [s], nan while open; filled while the system is solved.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.p = scene, scene.parameters
-        self._container = exudyn.SystemContainer()  # owns the system, which it must outlive
+        self._container = exudyn.SystemContainer()  # owns the system, and must outlive it
         self.system = self._container.AddSystem()
         self.watched: list[tuple[int, int, float]] = []
         self.sensors: dict[int, tuple[Any, Any]] = {}
         self.contacts: list[Any] = []
         self.latch_times = [math.nan, math.nan]
         self._kept_alive: list[object] = []  # Python functions that the library calls
-        self.panel = self.p.panel(0)  # both are alike
+        self.panel = self.p.panel(0)  # both panels are alike
         ground = self.system.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
         self.ground = self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
         latches = self.build()
@@ -48,7 +48,7 @@ class PeerArray(ABC):
 
     @abstractmethod
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return the (marker, marker) coordinates that the latches act on."""
+        """Add all parts except the latches; return the pairs of coordinate markers that the latches act on."""
 
     @abstractmethod
     def angles(self, *values: Value) -> tuple[Value, Value]:
@@ -60,7 +60,7 @@ class PeerArray(ABC):
         return [(0.0, rates[0]), (self.panel.length * rates[0], rates[0] - rates[1])]
 
     def base(self) -> tuple[int, int]:
-        """Add the main body; return its node and body."""
+        """Add the main body; return the numbers of its node and of its body object."""
         node = self.system.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, 0, 0]))
         body = items.ObjectRigidBody2D(mass=self.p.body_mass, inertia=self.p.body_inertia, nodeNumber=node)
         return node, self.system.AddObject(body)
@@ -70,7 +70,7 @@ class PeerArray(ABC):
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:
-        """Add the torques of springs and cable loop, with angles = to_angles @ coordinates, (2, n)."""
+        """Add torques of springs and cable loop; `to_angles` (2, n) is the matrix from coordinates to joint angles."""
         p = self.p
         springs = [p.by_joint("spring_stiffness", j) for j in (0, 1)]
         relaxed = [p.by_joint("spring_preload_angle", j) for j in (0, 1)]
@@ -86,7 +86,7 @@ class PeerArray(ABC):
         )
 
     def joints(self, markers: list[tuple[int, int]]) -> None:
-        """Join (bearing, journal) markers, with clearance or without."""
+        """Add a joint between each (bearing, journal) pair of markers: a contact with clearance, or an ideal joint."""
         p, system = self.p, self.system
         for j, (bearing, journal) in enumerate(markers):
             if not self.scene.level.clearance:
@@ -115,7 +115,7 @@ class PeerArray(ABC):
                 self.contacts.append(system.AddSensor(sensor))
 
     def watch(self, *coordinates: tuple[int, int, float]) -> None:
-        """Record (node, coordinate, value at rest) and their rates, in the order that `angles` takes."""
+        """Add sensors of `coordinates`, in the order that `angles` takes them, and of their rates; set `watched`."""
         self.watched = list(coordinates)
         for node, _, _ in coordinates:
             if node not in self.sensors:
@@ -129,7 +129,7 @@ class PeerArray(ABC):
                 self.sensors[node] = place, rate
 
     def _add_latches(self, coordinates: list[tuple[int, int]]) -> None:
-        """Add latches on (marker, marker) coordinates, engaged at the first step past the lock angle; assemble."""
+        """Add latches on marker pairs and assemble; a latch engages at the first step past the lock angle."""
         system, latch_times, objects = self.system, self.latch_times, []
         locks = [joint.lock_angle for joint in self.p.joints]
         for j, pair in enumerate(coordinates):
@@ -146,11 +146,11 @@ class PeerArray(ABC):
         system.Assemble()
         places = [(system.systemData.GetNodeLTGODE2(node)[k], start) for node, k, start in self.watched]
         before = [0.0, 0.0, 0.0]  # time and angles at the start of the previous step
-        called = [0.0, 0.0]  # the last two different times of calls
+        called = [0.0, 0.0]  # the last two distinct times at which `engage` was called
 
         def engage(mbs: Any, time: float) -> bool:
             if math.isnan(latch_times[0] + latch_times[1]):
-                # Called with the time that the step is to reach; again if the step is repeated with half its size.
+                # Exudyn calls with the end time of the step, and again if it repeats the step with half the size.
                 called[:] = [called[1] if time > called[1] else called[0], time]
                 q = system.systemData.GetODE2Coordinates()
                 start, now = called[0], self.angles(*(q[place] + rest for place, rest in places))
@@ -167,7 +167,7 @@ class PeerArray(ABC):
 
 
 def _stop_expression(stop: Stop, lock: float) -> Callable[..., Value]:
-    """Make the torque function of a two-sided stop round a locked coordinate, on the equations' left-hand side."""
+    """Make the torque function of a two-sided stop round the coordinate `lock`, for the equations' left-hand side."""
     symbolic = exudyn.symbolic
 
     def one_side(depth: Value, closing_rate: Value) -> Value:

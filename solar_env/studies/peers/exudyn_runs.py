@@ -1,4 +1,4 @@
-"""Runs of Exudyn: the solver settings that suit it best, and the motion of a run."""
+"""Runs of Exudyn, with solver settings that suit the scenes best, and their conversion to motions."""
 
 import math
 import time as clock
@@ -21,8 +21,8 @@ _STAGES = {"RK44": 4, "ExplicitMidpoint": 2}
 def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
     """Simulate a scene with one of Exudyn's solvers on one thread, at a step [s].
 
-    "generalized-alpha" (index 3) halves the step where Newton's iteration fails. "explicit", for rigid panels, is of
-    fourth order on a kinematic tree with ideal joints, and of second order with clearance.
+    "generalized-alpha" (index 3) halves the step where Newton's iteration fails. "explicit", for rigid panels only, has
+    fourth order (on a kinematic tree) with ideal joints, and second order with clearance.
     """
     explicit, clearance = solver == "explicit", scene.level.clearance
     array = build_peer(scene, implicit=not explicit)
@@ -69,7 +69,7 @@ def _settings(scene: Scene, step: float) -> Any:
     integration.newton.useModifiedNewton = True
     integration.newton.relativeTolerance = 1e-8
     integration.newton.absoluteTolerance = 1e-7 if flexible else 1e-10
-    # Halve the step where Newton's iteration fails: every model with clearance would do so at its first impact.
+    # Halve the step where Newton's iteration fails: at the full step it fails at the first impact in a clearance.
     integration.adaptiveStep = True
     integration.discontinuous.useRecommendedStepSize = False
     return settings
@@ -87,7 +87,7 @@ def _angles(array: PeerArray) -> Array:
 
 
 def _peak_forces(array: PeerArray) -> dict[str, Array]:
-    """Return the peak contact forces after the first latching, from samples at every step; empty if not kept."""
+    """Return the joints' peak contact forces [N] after the first latching, over all steps; empty if not recorded."""
     if not array.contacts:
         return {}
     latched = np.nanmin([*array.latch_times, math.inf])

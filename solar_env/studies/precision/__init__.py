@@ -1,5 +1,5 @@
-"""Speed against accuracy: work and precision of all methods, convergence of the panels, side by side with the peers.
+"""Speed against accuracy: work and precision of all methods, convergence of panel models, comparison with Exudyn.
 
-Imports `common` and `peers`. A method is a row of `METHODS` in `methods`, a study of them a row of `STUDIES` in
-`charts`.
+Imports `common` and `peers`. To add a method, add a row to `METHODS` in `methods`. To add a study of the methods, add a
+row to `STUDIES` in `charts`.
 """

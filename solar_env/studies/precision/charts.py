@@ -16,8 +16,8 @@ from solar_env.studies.precision import convergence, side_by_side, work_precisio
 from solar_env.studies.precision.methods import METHODS, MISSING_PEER, peer_is_missing
 from solar_env.support.progress import counting_bar
 
-# A study has a table with its name. Its module has the functions `runs`, from a plan to jobs by key; `tabulate`, from a
-# plan and the results by key to the table's rows; and `draw`, from a table and a folder to the files drawn.
+# Study name -> module with three functions: `runs` makes a plan's jobs by key, `tabulate` turns a plan and the results
+# by key into table rows, and `draw` draws a table into a folder and returns the files.
 STUDIES: dict[str, ModuleType] = {
     "work-precision": work_precision,
     "convergence": convergence,
@@ -31,7 +31,7 @@ def table_file(study: str) -> str:
 
 
 def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Console) -> None:
-    """Measure studies run by run, in about an hour or `quick` in two minutes, and write their tables."""
+    """Measure the named studies and write their tables, in about an hour, or in two minutes if `quick`."""
     plan = QUICK if quick else FULL
     if peer_is_missing():
         console.print(MISSING_PEER, highlight=False, markup=False, soft_wrap=True)
@@ -47,7 +47,7 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
 
 
 def warm_up(plan: ChartPlan) -> None:
-    """Run a moment of every method and model, so that compiling and loading are not measured."""
+    """Simulate 1 ms with every method and model, so that timings exclude compiling and loading."""
     for method in METHODS.values():
         for model in plan.models:
             if method.available and model in method.settings:
@@ -56,7 +56,7 @@ def warm_up(plan: ChartPlan) -> None:
 
 
 def draw(names: Sequence[str], tables: Path, figures: Path) -> list[Path]:
-    """Draw studies from the tables in one folder into another folder; return the files."""
+    """Draw the named studies from their tables in `tables` into the folder `figures`; return the files drawn."""
     drawn: list[Path] = []
     for name in names:
         path = tables / table_file(name)

@@ -1,7 +1,7 @@
-"""Convergence of the panels: errors and costs of rigid panels, beams of 1 to 48 elements, and 4 to 48 modes.
+"""Convergence of the panel models: errors and costs of rigid panels, beams of 1 to 48 elements, and 4 to 48 modes.
 
-With ideal joints a level is compared with the finest modal panels. With clearance motions are chaotic, and only means
-of ensembles can be compared; their runs are released at slightly different rates, see `perturbed`.
+With ideal joints a level is compared with the finest modal panels. With clearance the motion is chaotic, and only
+ensemble means can be compared. An ensemble's runs start at slightly different release rates, see `perturbed`.
 """
 
 import math
@@ -26,7 +26,7 @@ from solar_env.support.files import write_text
 from solar_env.support.markdown import markdown_table
 
 ERRORS = {**work_precision.ERRORS, "reaction_error": "error of peak reactions"}
-# Totals of a `Motion` whose means over an ensemble are compared: label, and number of the label's units per SI unit.
+# Totals of a `Motion` whose ensemble means are compared -> label, and factor from SI units to the label's units.
 MEANS = {
     "peak_force_N": ("peak force [N]", 1.0),
     "sliding_work_J": ("sliding work [mJ]", 1e3),
@@ -34,15 +34,20 @@ MEANS = {
     "wear_depth_m": ("deepest wear [fm]", 1e15),
 }
 JOINTS = (1, 2)
-_BEYOND = 3.0  # standard errors that ten differences of equal means hardly ever exceed
-_BAND = 1.96  # standard errors on either side of a mean, for a 95 % band
+# Levels that the page shows if it has no room for all.
+_ON_PAGE = (
+    "rigid", "1 element", "6 elements", "12 elements", "48 elements", "4 modes", "16 modes", "32 modes",
+    "32 modes, rtol / 2", "48 modes, rtol / 10",
+)  # fmt: skip
+_BEYOND = 3.0  # number of standard errors that ten differences of equal means hardly ever exceed
+_BAND = 1.96  # number of standard errors on either side of a mean in a 95 % band
 
 # Level, and the member of its ensemble with clearance; None for the run with ideal joints.
 Key = tuple[Ensemble, int | None]
 
 
 def family(level: Ensemble) -> str:
-    """Return the kind of the panels: "rigid", "elements" or "modes"."""
+    """Return the panel kind of a level: "rigid", "elements" or "modes"."""
     return _level(level, "ideal").panels.unit or "rigid"
 
 
@@ -52,9 +57,9 @@ def _level(level: Ensemble, joint: str) -> Level:
 
 
 def runs(plan: ChartPlan) -> dict[Key, Job]:
-    """Make the jobs: a deployment with ideal joints, and an ensemble with clearance, at every level.
+    """Make the jobs of every level: one deployment with ideal joints, and an ensemble with clearance.
 
-    Ensembles run member by member, so that disturbances of the machine meet all levels alike.
+    Jobs are ordered by member, so that disturbances of the machine affect all levels alike.
     """
     jobs: dict[Key, Job] = {}
     for member in (None, *range(max(level.members for level in plan.levels))):
@@ -70,13 +75,13 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
-    """Simulate a member of the ensemble of a scene at a level."""
+    """Simulate one ensemble member of a scene at a level of the model."""
     parameters = perturbed(scene.parameters, member)
     return run_ours(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
 def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
-    """Make a row for every level: cost and errors with ideal joints, then means of its ensemble with clearance."""
+    """Make a table row for every level: cost and errors with ideal joints, then ensemble means with clearance."""
     finest = [level for level in plan.levels if family(level) == MODES][-1]
     reference = results[finest, None].motion
     if reference is None:
@@ -100,7 +105,7 @@ def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
 
 
 def _means(ensemble: list[Measured]) -> Row:
-    """Return number and median time of the completed runs, and means with standard errors by statistic and joint."""
+    """Return the number and median time of completed runs, and means and standard errors by statistic and joint."""
     ended = [(result.wall, result.motion.totals) for result in ensemble if result.motion is not None]
     count = len(ended)
     row: Row = {"runs": count, "wall_s": float(np.median([wall for wall, _ in ended])) if ended else math.nan}
@@ -113,7 +118,7 @@ def _means(ensemble: list[Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Draw errors with ideal joints and means with clearance against wall time, and write both; return the files."""
+    """Draw errors (ideal joints) and means (clearance) with wall times, and write a Markdown page; return the files."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):
@@ -170,35 +175,33 @@ def conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Format the table and the conclusion in Markdown."""
-    columns = ("level", "ideal joints: wall time [s]", *ERRORS.values(), "clearance: runs", "wall time [s]")
-    lines = [
+    """Format the errors and the means in Markdown; many levels are reduced to `_ON_PAGE`."""
+    shown = [row for row in rows.rows if len(rows.rows) <= len(_ON_PAGE) or row["level"] in _ON_PAGE]
+    errors = [
+        [str(row["level"]), f"{number(row, 'wall_ideal_s'):.3g}", *(f"{number(row, error):.1e}" for error in ERRORS)]
+        for row in shown
+    ]
+    means = [
         [
-            str(row["level"]),
-            f"{number(row, 'wall_ideal_s'):.3g}",
-            *(f"{number(row, error):.1e}" for error in ERRORS),
-            str(row["runs"]),
-            f"{number(row, 'wall_s'):.3g}",
+            *(str(row["level"]), str(row["runs"]), f"{number(row, 'wall_s'):.3g}"),
             *(" / ".join(_in_words(*_mean(row, statistic, joint)) for joint in JOINTS) for statistic in MEANS),
         ]
-        for row in rows.rows
+        for row in shown
     ]
+    columns = ("level", "runs", "wall time [s]", *(label for label, _ in MEANS.values()))
     return (
-        f"Errors with ideal joints against {rows.rows[0]['reference']}; with clearance, means of joints 1 / 2 ± their "
-        f"standard errors:\n\n"
-        f"{markdown_table((*columns, *(label for label, _ in MEANS.values())), lines)}\n\n{conclusion(rows)}.\n"
+        f"Ideal joints, errors against {rows.rows[0]['reference']}:\n\n"
+        f"{markdown_table(('level', 'wall time [s]', *ERRORS.values()), errors)}\n\n"
+        f"With clearance, means of joints 1 / 2:\n\n{markdown_table(columns, means)}\n"
     )
 
 
 def _mean(row: Mapping[str, Cell], statistic: str, joint: int) -> tuple[float, float]:
-    """Return the mean and standard error in the units of the label."""
+    """Return a statistic's mean and standard error at a joint, in the units of the statistic's label."""
     mean, error = (number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
     return MEANS[statistic][1] * mean, MEANS[statistic][1] * error
 
 
 def _in_words(mean: float, error: float) -> str:
-    """Format a mean and, if known, its standard error, with as many digits as the error allows."""
-    if not error > 0.0:
-        return f"{mean:.3g}"
-    digits = max(0, 1 - math.floor(math.log10(2.0 * error)))
-    return f"{mean:.{digits}f} ± {error:.{digits}f}"
+    """Format a mean with as many digits as its standard error, if known, allows."""
+    return f"{mean:.{max(0, 1 - math.floor(math.log10(2.0 * error)))}f}" if error > 0.0 else f"{mean:.3g}"

@@ -1,6 +1,6 @@
-"""The methods that are charted, by name, each at several steps or tolerances from the coarsest to the finest.
+"""Methods compared in the charts, each at several steps or tolerances from the coarsest to the finest.
 
-A further integrator is one more row of METHODS.
+To add an integrator, add a row to METHODS.
 """
 
 import importlib.util
@@ -25,14 +25,14 @@ Program = Callable[[Scene, float], Motion]
 
 @dataclass(frozen=True)
 class Method:
-    """A way to simulate a scene.
+    """A simulation method: a program, and the settings at which the charts measure the program.
 
     Attributes:
         setting: quantity that is varied: "rtol" or "step" [s].
-        program: scene and setting to motion; raises SimulationError if the run cannot go on.
-        settings: model -> values of the setting; other models are left out.
+        program: function from a scene and a setting to a motion; raises SimulationError if the run cannot go on.
+        settings: model -> values of the setting; the method is not run on models without an entry.
         peer: true if the method is Exudyn's.
-        panels: parts of the only flexible panels that the method takes, such as "32 modes"; empty for the scene's.
+        panels: the only flexible panels that the method can simulate, such as "32 modes"; empty for any panels.
     """
 
     setting: str
@@ -47,11 +47,11 @@ class Method:
         return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
-        """Simulate a scene with the method's panels."""
+        """Simulate a scene at a setting, on the method's panels if the method prescribes panels."""
         return self.program(self.scene(scene), setting)
 
     def scene(self, scene: Scene) -> Scene:
-        """Return the scene with the method's panels."""
+        """Return the scene on the method's panels, or unchanged if the method prescribes no panels."""
         return replace(scene, model=with_panels(scene.model, self.panels)) if self.panels else scene
 
     def size(self, scene: Scene) -> str:
@@ -60,7 +60,7 @@ class Method:
 
 
 def ours(make: Callable[[float], Integrator]) -> Program:
-    """Make a program from one of the project's integrators, made from a setting."""
+    """Make a program from a function that turns a setting into one of the project's integrators."""
     return lambda scene, setting: run_ours(scene, make(setting))
 
 
@@ -130,12 +130,12 @@ METHODS: Mapping[str, Method] = {
     ),
 }
 
-# Method, and its two finest settings: of the run that others are compared with, and of a run that tells its error.
+# Method and two settings: the finest one gives the reference run, the second finest one shows the reference's error.
 Reference = tuple[str, tuple[float, float]]
 REFERENCES: Mapping[str, tuple[Reference, ...]] = {
     _RIGID: (("runge-kutta", (1e-12, 1e-11)),),
     _LOOSE: (("runge-kutta", (1e-12, 1e-11)),),
-    # Modal panels are another model, with another reference.
+    # Modal panels are a different panel model, which needs its own reference.
     _FLEXIBLE: (("runge-kutta", (1e-9, 1e-8)), ("modal-radau", (1e-6, 1e-5))),
     _LOOSE_FLEXIBLE: (("runge-kutta", (1e-9, 1e-8)), ("modal-radau", (1e-5, 1e-4))),
 }

@@ -1,7 +1,7 @@
-"""Whole deployments side by side: default settings against the cheapest settings of Exudyn, at equal error.
+"""Whole deployments side by side: our default settings against the peer's (Exudyn's) cheapest, at equal error.
 
-Errors include the panels' errors, as the user gets them. With flexible panels angles and latch times are compared with
-beams of 24 elements, which are the peer's kind of panels but four times as fine. Peak forces are compared with an
+Errors include the panel models' errors, because users get the sum. With flexible panels, angles and latch times are
+compared with beams of 24 elements: the peer's panel model, four times as fine. Peak forces are compared with an
 ensemble of modal panels that more modes or a tighter tolerance would not change (`convergence`).
 """
 
@@ -34,7 +34,7 @@ DEFAULT = "default settings"
 _LONG_RUN = 60.0  # s; time beyond which a run is not repeated
 Entry = tuple[str, float]
 
-# Methods and settings: ours at looser and tighter tolerances, the peer at its leanest.
+# Model -> methods and settings: ours at looser and tighter tolerances, the peer's at the cheapest settings.
 OURS: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 5e-10)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
@@ -47,7 +47,7 @@ PEER: dict[str, tuple[Entry, ...]] = {
     "flexible-ideal": (("Exudyn generalized-alpha", 5e-3), ("Exudyn generalized-alpha", 1e-3)),
     "flexible-clearance": (("Exudyn generalized-alpha", 5e-4), ("Exudyn generalized-alpha", 1e-4)),
 }
-# References of angles and latch times, and then of peak forces, by ensembles.
+# Reference runs of angles and latch times (REFERENCES), and reference ensembles of peak forces (CONVERGED).
 REFERENCES: dict[str, Entry] = {
     "rigid-ideal": ("runge-kutta", 1e-12),
     "rigid-clearance": ("runge-kutta", 1e-11),
@@ -60,8 +60,8 @@ CONVERGED: dict[str, Level] = {
 }
 _REFERENCE, _ENSEMBLE = "reference", "converged ensemble"
 _COLUMNS = (
-    "model", "method", "panels", "setting", "wall time [s]", "times real time", *ERRORS.values(),
-    "peak forces over the converged ensemble's, joints 1 / 2", "peer's time over ours at no larger error",
+    "wall time [s]", "times real time", *ERRORS.values(),
+    "peak forces divided by the converged ensemble's, joints 1 / 2",
 )  # fmt: skip
 
 
@@ -73,8 +73,8 @@ class Case:
         model: one of `array.MODELS`.
         method: name of a method or DEFAULT; _REFERENCE or _ENSEMBLE for runs that others are compared with.
         value: value of the method's setting.
-        member: member of the ensemble; the nominal run is timed.
-        watched: true if the peer keeps its contact forces, at every step, which costs time.
+        member: member of the ensemble; only the nominal run, member 0, is timed.
+        watched: true if the peer records contact forces at every step, which costs time.
     """
 
     model: str
@@ -101,7 +101,7 @@ def _job(plan: ChartPlan, case: Case) -> Job:
 
 
 def runs(plan: ChartPlan) -> dict[Case, Job]:
-    """Make the jobs: whole deployments; with clearance also our ensembles, and the peer's runs with forces kept."""
+    """Make the jobs: deployments with every method; with clearance also our ensembles and the peer's forces."""
     cases: list[Case] = []
     for model in plan.models:
         ours = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OURS[model])]
@@ -116,7 +116,7 @@ def runs(plan: ChartPlan) -> dict[Case, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
-    """Make a row of cost and errors for every method and setting."""
+    """Make a table row for every method and setting: cost, errors, and ratios of peak forces."""
     rows: list[Row] = []
     for case, result in results.items():
         if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE):
@@ -139,7 +139,7 @@ def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
 
 
 def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
-    """Return the (members, joints) peak forces after latching [N] of a case's runs that keep them."""
+    """Return the (members, joints) peak forces after latching [N] from a case's runs that recorded peak forces."""
     peaks = [
         result.motion.totals["peak_force_N"]
         for of, result in results.items()
@@ -166,7 +166,7 @@ def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Draw wall time against the error of angles, a column for each model, and write the table; return the files."""
+    """Draw wall time against angle error in one plot per model, and write a Markdown table; return the files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
     figure, axes = make_figure(1, len(models), (2.15, 2.1), len(looks))
@@ -177,12 +177,12 @@ def draw(rows: Table, folder: Path) -> list[Path]:
         axes[0, 0].set_ylabel("wall time [s]")
     picture, page = folder / "side_by_side.png", folder / "side_by_side.md"
     save(figure, picture, looks, _conclusion(rows), f"{ERRORS['angle_error_rad']}, panels included")
-    write_text(page, markdown_table(_COLUMNS, [_line(rows, row) for row in rows.rows]) + "\n")
+    write_text(page, _page(rows))
     return [picture, page]
 
 
 def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
-    """Return the peer's wall time divided by our cheapest run's with no larger errors; nan without such a run."""
+    """Return a peer run's wall time divided by our least wall time at no larger errors; nan if ours are all larger."""
     walls = [
         number(row, "wall_s")
         for row in rows.where(model=peer["model"], peer=0).rows
@@ -192,7 +192,7 @@ def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """State for each model the least factor by which the peer's settings take longer."""
+    """State for each model the least ratio of the peer's wall time to ours at no larger error."""
     least: dict[str, float] = {}
     for row in rows.where(peer=1).rows:
         ratio = ratio_at_equal_error(rows, row)
@@ -203,20 +203,28 @@ def _conclusion(rows: Table) -> str:
     return f"At no larger error a peer takes at least {', '.join(clauses)}" if clauses else "No peer was measured"
 
 
-def _line(rows: Table, row: Mapping[str, Cell]) -> list[str]:
-    cells = [str(row[name]) for name in ("model", "method", "panels")]
-    cells.append("" if row["method"] == DEFAULT else f"{number(row, 'value'):g}")
+def _page(rows: Table) -> str:
+    """Format two Markdown tables, for our default settings and for the peer's settings."""
+    ours = [[str(row["model"]), str(row["panels"]), *_cells(row)] for row in rows.where(method=DEFAULT).rows]
+    peer = []
+    for row in rows.where(peer=1).rows:
+        ratio = ratio_at_equal_error(rows, row)
+        words = "" if row["failure"] else "none of ours is as accurate" if math.isnan(ratio) else f"{ratio:.3g}"
+        peer.append([str(row["model"]), f"{row['method']}, {row['value']:g}", *_cells(row), words])
+    last = "its time divided by ours, at no larger error"
+    return (
+        f"Default settings:\n\n{markdown_table(('model', 'panels', *_COLUMNS), ours)}\n\n"
+        f"Exudyn:\n\n{markdown_table(('model', 'method, step [s]', *_COLUMNS, last), peer)}\n"
+    )
+
+
+def _cells(row: Mapping[str, Cell]) -> list[str]:
     if row["failure"]:
-        return [*cells, "failed", *[""] * (len(_COLUMNS) - len(cells) - 1)]
-    ratio = ""
-    if row["peer"]:
-        at_equal_error = ratio_at_equal_error(rows, row)
-        ratio = "none of ours is as accurate" if math.isnan(at_equal_error) else f"{at_equal_error:.3g}"
+        return ["failed", *[""] * (len(_COLUMNS) - 1)]
     wall, duration = number(row, "wall_s"), number(row, "duration_s")
-    errors = [f"{number(row, name):.1e}" for name in ERRORS]
-    return [*cells, f"{wall:.3g}", f"{duration / wall:.3g}", *errors, _forces(row), ratio]
+    return [f"{wall:.3g}", f"{duration / wall:.3g}", *(f"{number(row, name):.1e}" for name in ERRORS), _forces(row)]
 
 
 def _forces(row: Mapping[str, Cell]) -> str:
-    ratios = [(number(row, f"force_ratio_{j}"), number(row, f"force_ratio_{j}_error")) for j in (1, 2)]
-    return "" if math.isnan(ratios[0][0]) else " / ".join(f"{ratio:.2f} ± {error:.2f}" for ratio, error in ratios)
+    ratios = [number(row, f"force_ratio_{joint}") for joint in (1, 2)]
+    return "" if math.isnan(ratios[0]) else " / ".join(f"{ratio:.2f}" for ratio in ratios)

@@ -1,8 +1,8 @@
 """Work against precision: the cost of every method at every setting, and its error against a reference.
 
-Errors are the method's, not the panels': every run is compared with the finest run on the same panels. The deviation
-of the second finest run from the finest is the floor, below which an error says nothing. With clearance chaos sets the
-floor: see `convergence`, also for errors of the panels.
+Errors are the integrator's, not the panels': every run is compared with the finest run on the same panels. The floor is
+the deviation of the second finest run from the finest; errors below the floor have no meaning. With clearance, chaos
+sets the floor. For errors of the panel models see `convergence`.
 """
 
 import math
@@ -32,8 +32,8 @@ ERRORS = {
 }
 COSTS = {"wall_s": "wall time [s]", "evaluations": "evaluations", "factorizations": "factorisations"}
 ERROR = "angle_error_rad"
-GOAL = 1e-4  # error that the conclusion asks for [rad]
-# Errors closer to the floor than this factor follow no order.
+GOAL = 1e-4  # greatest error that the conclusion accepts [rad]
+# Errors up to this multiple of the floor are left out when an order is fitted.
 _ABOVE_FLOOR = 10.0
 _FITTED = 3  # number of settings to which an order is fitted
 
@@ -57,7 +57,7 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
-    """Make a row for every method at every setting, with the floor of its model and panels."""
+    """Make a table row for every method at every setting, with the error floor of the row's model and panels."""
     by_panels: dict[tuple[str, str], tuple[Motion, float]] = {}
     for model in plan.models:
         for name, values in REFERENCES[model]:
@@ -87,7 +87,7 @@ def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
 
 
 def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
-    """Return a run's errors of angles before the latch and of latch times; nan if the run did not reach its end."""
+    """Return a run's errors of joint angles before the latching, and of latch times; nan if the run failed."""
     if motion is None:
         return dict.fromkeys(ERRORS, math.nan)
     return {
@@ -97,7 +97,7 @@ def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Draw a column for each model and a row for each cost, and write the table in Markdown; return the files."""
+    """Draw a grid of plots, with models as columns and costs as rows, and write the Markdown page; return the files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
     figure, axes = make_figure(len(COSTS), len(models), (max(2.15, 6.4 / len(models)), 1.9), len(looks))
@@ -119,7 +119,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def draw_curves(axis: Axes, rows: Table, error: str, cost: str, looks: Mapping[str, Look], by: str = "method") -> None:
-    """Draw costs against errors from two columns, a curve for each value of the column `by`, on logarithmic axes."""
+    """Draw one curve of cost against error for each value of the column `by`, on logarithmic axes."""
     axis.set(xscale="log", yscale="log")
     for name in rows.values(by):
         curve = rows.where(**{by: name})
@@ -139,8 +139,8 @@ def cheapest(rows: Table) -> Mapping[str, Cell] | None:
 def order(rows: Table) -> float:
     """Return the observed order p of a method: its errors are proportional to n^-p for n steps, or n evaluations.
 
-    The order is fitted by least squares to the three finest settings with errors well above the floor. It is nan if
-    there are fewer such settings, and with clearance, where impacts bound the errors.
+    The order is fitted by least squares to the three finest settings with errors well above the floor. The order is
+    nan if fewer settings qualify, and with clearance, where impacts bound the errors.
     """
     steps, errors = rows.column("steps"), rows.column(ERROR)
     counts = np.where(np.isfinite(steps), steps, rows.column("evaluations"))
@@ -153,33 +153,38 @@ def order(rows: Table) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """State the cheapest method of each model within the goal."""
+    """State for each model the cheapest method whose error is within the goal."""
     best: dict[str, list[str]] = {}
     for model in rows.values("model"):
         row = cheapest(rows.where(model=model))
         if row is not None:
             best.setdefault(str(row["method"]), []).append(str(model))
-    # Lines break between methods, not within.
+    # Non-breaking spaces keep each method on one line.
     clauses = [f"{method} ({', '.join(models)})".replace(" ", "\N{NO-BREAK SPACE}") for method, models in best.items()]
     return f"Cheapest to within {short(GOAL)}: {'; '.join(clauses)}"
 
 
 def _page(rows: Table) -> str:
-    """Format the order and cheapest setting of every method on every model in Markdown."""
-    columns = ("model", "panels", "method", "observed order", "cheapest setting within the goal", COSTS["wall_s"])
-    lines = []
-    for model, panels, method in dict.fromkeys((row["model"], row["panels"], row["method"]) for row in rows.rows):
-        of_method = rows.where(model=model, method=method)
-        row, found = cheapest(of_method), order(of_method)
-        cells = ["none", "", ""]
-        if row is not None:
-            cells = [f"{row['setting']} {row['value']:g}", f"{row['wall_s']:.3g}", f"{row[ERROR]:.1e}"]
-        lines.append([str(model), str(panels), str(method), "" if math.isnan(found) else f"{found:.1f}", *cells])
-    return f"Goal: {short(GOAL)} rad.\n\n{markdown_table((*columns, ERRORS[ERROR]), lines)}\n"
+    """Format the least wall time within the goal, and the order, of every method on every model in Markdown."""
+    models = rows.values("model")
+    lines = [
+        [str(method), *(_least(rows.where(model=model, method=method)) for model in models)]
+        for method in rows.values("method")
+    ]
+    text = f"Least wall time [s] with an error of angles within {short(GOAL)} rad, and the observed order in brackets:"
+    return f"{text}\n\n{markdown_table(('method', *map(str, models)), lines)}\n"
+
+
+def _least(rows: Table) -> str:
+    """Format the least wall time of one method on one model within the goal; empty if the method was not run."""
+    row = cheapest(rows)
+    found = order(rows) if rows.rows else math.nan
+    words = f"{row['wall_s']:.3g}" if row else "not reached" if rows.rows else ""
+    return words if math.isnan(found) else f"{words} ({found:.1f})"
 
 
 def _title(rows: Table) -> str:
-    """Format a title: the model, its panels, and the number of runs that could not go on."""
+    """Format a plot title from a model's rows: the model, its panels, and the number of failed runs."""
     details = [str(panels) for panels in rows.values("panels") if panels != "rigid"]
     failed = sum(1 for row in rows.rows if row["failure"])
     if failed:

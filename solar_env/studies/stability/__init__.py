@@ -1,4 +1,4 @@
-"""Maps of where numerical methods fail, from small runs with known answers, with advice for each failure.
+"""Stability maps: where numerical methods fail in small runs with known answers, with advice for each failure.
 
-Imports `common`. A map is a module with cells and a measurement, and a row of `MAPS` in `stability_maps`.
+Imports `common`. To add a map, define a `StabilityMap` in a module, and add the map to `ALL` in `stability_maps`.
 """

@@ -1,8 +1,8 @@
-"""Map over the friction law's two speeds: creep of a contact that should stick, and the step size required.
+"""Stability map of friction over the friction law's two speeds: creep of a contact that should stick, and step size.
 
-A loaded journal is turned by a torque of half the friction limit (`textbook.loaded_journal`). Coulomb's friction
-would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and W. Huang,
-Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed). Explicit steps shrink with v1 - v0.
+A torque of half the friction limit turns a loaded journal (`textbook.loaded_journal`). Coulomb friction would hold the
+journal; the ramp between the speeds v0 and v1 lets the journal creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and
+W. Huang, Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed). Explicit steps shrink with v1 - v0.
 """
 
 import math
@@ -16,11 +16,11 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.stability.maps import Axis, Finding, Kind, Said, StabilityMap, listen, log_range
 
 LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4  # N, m, m
-FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, share of the friction limit, kg m2
+FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, fraction of the friction limit, kg m2
 MASS, MINIMUM_SPEED = 1.0, 1e-4  # kg, m/s
 CONTACT = PowerLaw(7.39e10, damping=lankarani_damping(0.5))
-SHORT_STEP = 1e-4  # s; 300,000 of them make the 30 s of a deployment
-SLOW_CREEP = 1e-3 / 30.0  # m/s; less than a millimetre in the 30 s of a deployment
+SHORT_STEP = 1e-4  # s; a deployment of 30 s would take 300,000 such steps
+SLOW_CREEP = 1e-3 / 30.0  # m/s; a millimetre in a deployment of 30 s
 MOST_STEPS = 200_000
 DURATION = 0.02  # s
 EXPLICIT, IMPLICIT = "runge-kutta", "generalized-alpha, step 0.1 ms"
@@ -31,12 +31,12 @@ _INTEGRATORS: dict[str, Integrator] = {
 
 
 def creep_speed(speed_zero: float, speed_full: float) -> float:
-    """Return the sliding speed at which the ramp carries the torque [m/s]."""
+    """Return the sliding speed [m/s] at which friction on the ramp balances SHARE of the friction limit."""
     return speed_zero + (speed_full - speed_zero) * SHARE
 
 
 def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
-    """Simulate a journal under half the friction limit."""
+    """Simulate a journal that a torque of half the friction limit turns, with the integrator that `panel` names."""
     bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, FRICTION, (speed_zero, speed_full))
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
     torque = SHARE * FRICTION * normal * RADIUS
@@ -56,7 +56,7 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
 
 
 def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Finding:
-    """Measure the sliding speed at half the friction limit; stiff if slow, with explicit steps below SHORT_STEP."""
+    """Measure the creep speed at half the friction limit; slow creep with explicit steps below SHORT_STEP is stiff."""
 
     def judge(run: Trajectory) -> Finding:
         speed, expected = float(run.rates[-1, 0]) * RADIUS, creep_speed(speed_zero, speed_full)

@@ -1,11 +1,11 @@
-"""Maps of impacts: the fixed step that generalized-alpha needs in a contact, and the restitution of the contact laws.
+"""Stability maps of impacts: fixed steps that generalized-alpha needs in a contact, and restitution of contact laws.
 
-A block bounces between the two walls of its gap (`textbook.bouncing_block`). In free flight nothing acts, so that the
+A block bounces between the two walls of its gap (`textbook.bouncing_block`). Nothing acts in free flight, so that the
 impact speed of a contact is the exit speed of the contact before. The ratio of successive impact speeds is therefore
-the restitution of a bounce, to be compared with the law's exact restitution.
+the restitution of a bounce, which is compared with the contact law's exact restitution.
 
-A law's factor 1 + d rate / impact speed with d > 0 is singular as the impact speed vanishes, which the minimum impact
-speed prevents.
+A contact law's factor 1 + d rate / impact speed with d > 0 is singular at zero impact speed. The minimum impact speed
+prevents the singularity.
 """
 
 import math
@@ -33,29 +33,29 @@ _LAWS = {
     "Lankarani-Nikravesh, Ce = 0.9": replace(_UNDAMPED, damping=lankarani_damping(0.9)),
 }
 ARRAY = ArrayParameters(contact_stiffness=None)
-# Contact laws that dissipate.
+# Names of the contact laws that dissipate energy.
 DISSIPATING = tuple(name for name in CONTACT_LAWS if contact_law(name, ARRAY.surfaces(0), 0.5).exit_speed_ratio() < 1.0)
 SLOWEST = 1e-4  # m/s, the default minimum impact speed
 _FLIGHT = 50.0  # time of flight to the wall divided by the duration of an impact
 
 
 def contact_duration() -> float:
-    """Return the duration of the first impact [s], without damping."""
+    """Return the duration [s] of the block's first impact, without damping."""
     return _UNDAMPED.impact_scales(_UNDAMPED.parameters(), 1.0 / MASS, SPEED)[1]
 
 
 def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float64]:
-    """Return the (bounces,) exit speeds of a bouncing block divided by the exact speeds."""
+    """Return the (bounces,) ratios of a bouncing block's simulated exit speed to the exact exit speed."""
     exact = contact.exit_speed_ratio()
     flights = sum(2.0 * CLEARANCE / (SPEED * exact**n) for n in range(BOUNCES))
     mechanism = bouncing_block(Bearing(CLEARANCE, 0.01, contact), MASS, SPEED)
     speeds = simulate(mechanism, flights, integrator=integrator, output_step=flights / 100.0).contacts["impact_speed"]
-    # A block that never comes back has no ratio: all its speed is lost.
+    # A block that never comes back has lost all its speed: its ratio is zero.
     return speeds[1:] / speeds[:-1] / exact if len(speeds) > 1 else np.zeros(1)
 
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
-    """Measure bounces under generalized-alpha with a fixed step of `share` times the first impact's duration."""
+    """Measure the exit speeds of bounces, simulated by generalized-alpha with steps of `share` impact durations."""
 
     def judge(ratios: NDArray[np.float64]) -> Finding:
         worst = float(ratios[np.argmax(np.abs(ratios - 1.0))])
@@ -66,13 +66,13 @@ def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
 
 
 def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
-    """Measure exit speed divided by entry speed in one bounce of the array's law; wrong if off by more than 0.05."""
+    """Measure exit divided by entry speed in one bounce with a contact law of the array; wrong if off by over 0.05."""
 
     def bounce() -> Trajectory:
         bearing = replace(ARRAY, contact_law=law, restitution=restitution).bearing(0)
         way = _FLIGHT * speed * bearing.contact.impact_scales(bearing.contact.parameters(), 1.0 / MASS, speed)[1]
         bearing = replace(bearing, clearance=way, friction_coefficient=0.0, wear_coefficient=0.0)
-        duration = 2.9 * way / speed  # before the other wall
+        duration = 2.9 * way / speed  # ends before the block reaches the other wall
         block = bouncing_block(bearing, MASS, speed)
         return simulate(block, duration, integrator=RungeKutta(), output_step=duration)
 
@@ -86,9 +86,9 @@ def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
 
 
 def restitution_limit(law: str, speed: float) -> float:
-    """Return the coefficient below which the law's exit speed is off by more than 0.05; nan if it never is.
+    """Return the greatest restitution coefficient that a law misses by more than 0.05; nan without such a coefficient.
 
-    Below the minimum impact speed the damping is weaker by the ratio of the two speeds.
+    At a speed below the minimum impact speed, the damping is weaker by the ratio of the two speeds.
     """
     for asked in np.arange(1000, 0, -1) / 1000.0:
         contact = contact_law(law, ARRAY.surfaces(0), float(asked))
@@ -111,7 +111,7 @@ IMPLICIT = StabilityMap(
         (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0),
     ),
     panels=tuple(_LAWS),
-    quantity="exit speed over the exact one, worst of all bounces",
+    quantity="ratio of the exit speed to the exact one, worst of all bounces",
     advice="Take eight steps or more in an impact, and up to 23 with rho_inf below 0.5, or take a method that does so "
     "by itself: with fewer, generalized-alpha takes energy from every bounce or adds to it, whatever rho_inf.",
     measure=measure_implicit,
@@ -129,7 +129,7 @@ RESTITUTION = StabilityMap(
     ),
     y=Axis("speed_m_s", "impact speed [m/s]", (1e-6, 1e-5, 1e-4, 1e-2, 1.0), log_range(1e-7, 10.0, 17)),
     panels=DISSIPATING,
-    quantity="exit over entry speed",
+    quantity="ratio of exit to entry speed",
     advice="Below a restitution of 0.8 take contact_law = 'restitution'; and set minimum_impact_speed below the "
     "slowest impact that matters, for slower ones bounce as if undamped.",
     measure=measure_restitution,

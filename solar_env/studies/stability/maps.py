@@ -1,7 +1,7 @@
-"""Maps of the failures of methods: definition of a map, and measurement of its cells.
+"""Stability maps, which show where numerical methods fail: definition of a map, and measurement of its cells.
 
-A map has two axes and one or more panels. Each cell is one small run with a known answer. It has a class, and keeps the
-library's report on the run: an error, a warning, or a figure of the result. A cell that fails without a report is a
+A map has two axes and one or more panels. Each cell is one small run with a known answer. A cell has a class, and keeps
+the library's report on the run: an error, a warning, or a figure of the result. A cell that fails without a report is a
 fault of the library: see `silent_failures`.
 """
 
@@ -25,14 +25,14 @@ class Kind(StrEnum):
 
     FINE = "fine"
     STIFF = "stiff"  # is right, with steps far shorter than the motion needs
-    CREEPS = "creeps"  # as the law has it, but not as dry friction does
-    OVER_DAMPED = "over-damped"  # loses energy that no law takes
-    WRONG = "wrong value"  # finishes with another answer
+    CREEPS = "creeps"  # creeps as the friction law prescribes, where dry friction would stick
+    OVER_DAMPED = "over-damped"  # loses energy that no physical law dissipates
+    WRONG = "wrong value"  # finishes with a wrong answer
     SPIKES = "spikes"  # is wrong for a while, then recovers
-    GROWING = "growing"  # gains, or alternates ever more
+    GROWING = "growing"  # gains energy, or alternates with growing amplitude
     NO_END = "does not end"  # takes more steps than allowed
-    NO_SOLUTION = "Newton failure"  # ends in an error of the iteration
-    BLOW_UP = "blow-up"  # ends in nonsense
+    NO_SOLUTION = "Newton failure"  # ends in an error of Newton's iteration
+    BLOW_UP = "blow-up"  # ends in meaningless numbers
     REFUSED = "refused"  # not accepted as input
 
 
@@ -47,7 +47,7 @@ class Said(StrEnum):
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a map."""
+    """An axis of a stability map: the table column, the label, and the values of the grid."""
 
     column: str  # column of the table
     label: str  # label with its unit
@@ -57,7 +57,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Finding:
-    """Finding at one place of a map: class, value measured (nan if the run raised), and the library's report."""
+    """Result in one cell of a map: class, value measured (nan if the run raised), and the library's report."""
 
     kind: Kind
     value: float
@@ -67,7 +67,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class StabilityMap:
-    """A map of the failures of methods."""
+    """A stability map: runs over a grid of two parameters, each classified by how a numerical method fails."""
 
     name: str  # name for the command line and of the files
     title: str
@@ -76,12 +76,12 @@ class StabilityMap:
     panels: tuple[str, ...]  # panels in the order in which they are drawn
     quantity: str  # meaning of a cell's value, with its unit
     advice: str  # one sentence with a remedy for the failures
-    measure: Callable[[str, float, float], Finding]  # from panel, x and y to the cell
+    measure: Callable[[str, float, float], Finding]  # function from panel, x and y to the cell's finding
     limit: Callable[[str, float], float] = lambda panel, y: math.nan  # theoretical limit on x; nan where unknown
     limit_label: str = ""  # meaning and origin of the limit
 
     def cells(self, quick: bool) -> Iterator[tuple[str, Value, Value]]:
-        """Yield (panel, x, y) of every cell of a quick or full run."""
+        """Yield (panel, x, y) of every cell, on the coarse grid if `quick`, else on the full grid."""
         for panel in self.panels:
             for y in self.y.quick if quick else self.y.full:
                 for x in self.x.quick if quick else self.x.full:
@@ -94,14 +94,14 @@ class StabilityMap:
         return {**place, "limit": self.limit(panel, y), "said": cell.said, "message": cell.message}
 
     def description(self) -> dict[str, str]:
-        """Return the texts that a figure needs beside the rows; kept with the table's provenance."""
+        """Return the texts that a figure needs beside the rows; the table's provenance stores the texts."""
         axes = {"x": self.x.column, "y": self.y.column, "x label": self.x.label, "y label": self.y.label}
         texts = {"value": self.quantity, "limit": self.limit_label, "advice": self.advice}
         return {"title": self.title, **axes, **texts}
 
 
 def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Finding:
-    """Run, and return the cell of the error or, by `judge`, of the result; the library's warnings go into the cell."""
+    """Call `run`, and classify an error by its reason, or the result by `judge`; add the library's warnings."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
         try:
@@ -118,7 +118,7 @@ def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Fin
 
 
 def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
-    """Classify a quantity by its lowest and highest ratio to the exact value: more than 2, or nan, is a blow-up."""
+    """Classify a quantity by its lowest and highest ratio to the exact value; above 2, or nan, is a blow-up."""
     if not highest <= 2.0:
         return Kind.BLOW_UP
     if highest > 1.0 + tolerance:

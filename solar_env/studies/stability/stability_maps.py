@@ -1,4 +1,4 @@
-"""Table of all maps of the failures of methods, and their measurement into tables."""
+"""List of all stability maps, and measurement of a map into a table."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +14,7 @@ MAPS: dict[str, StabilityMap] = {one.name: one for one in ALL}
 
 
 def measure_map(name: str, quick: bool, path: Path, progress: Callable[[], None]) -> None:
-    """Measure all cells of one of MAPS, or a `quick` few, and write its table; call `progress` after each cell."""
+    """Measure a map's cells, all or a `quick` few, and write the map's table; call `progress` after each cell."""
     chosen, rows = MAPS[name], []
     for panel, x, y in chosen.cells(quick):
         rows.append(chosen.row(panel, x, y))

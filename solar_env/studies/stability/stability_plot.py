@@ -21,13 +21,13 @@ from solar_env.support.files import save_figure
 
 _DARK = (Kind.NO_SOLUTION, Kind.BLOW_UP)
 CELL_WIDTH, CELL_HEIGHT = 0.4, 0.24  # inch
-_NARROWEST = 7.4  # inch
+_NARROWEST = 7.4  # least width of a figure [inch]
 _CHARACTERS = 15.0  # characters per inch of text
 _IN_A_LINE = 6  # classes in a line of the legend
 
 
 def draw_map(table_path: Path, figure_path: Path) -> None:
-    """Draw the figure of a map from its CSV file: panels of cells with class and value, limit, legend and advice.
+    """Draw a stability map from its CSV table: panels of cells with class and value, a limit, a legend and advice.
 
     Raises:
         ValueError: if the table is not a map's table.
@@ -66,7 +66,7 @@ def _draw_panel(axes: Axes, table: Table, about: Mapping[str, str]) -> None:
         value = number(row, "value")
         if math.isfinite(value):
             text = axes.text(i, k, short(value), ha="center", va="center", fontsize=7, color=ink, zorder=3)
-            # Break the line of the limit round a number that it would strike out.
+            # Interrupt the limit line where it would cross the number.
             text.set_path_effects([withStroke(linewidth=3.0, foreground=colour)])
         if row["said"]:
             axes.plot(i + 0.42, k + 0.4, ".", color=ink, markersize=2.0)
@@ -81,7 +81,7 @@ def _draw_panel(axes: Axes, table: Table, about: Mapping[str, str]) -> None:
 
 
 def _place(limit: float, ticks: NDArray[np.float64]) -> float:
-    """Return the place of a value among ticks drawn at equal distances, by logarithmic interpolation; nan outside."""
+    """Return the axis position of a limit among equally spaced ticks, by logarithmic interpolation; nan outside."""
     if not limit > 0.0 or not (ticks > 0.0).all():
         return math.nan
     places = np.interp(math.log(limit), np.log(ticks), np.arange(len(ticks)), left=math.nan, right=math.nan)

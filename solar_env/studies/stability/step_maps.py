@@ -1,12 +1,12 @@
-"""Maps of fixed steps: changes of the step on index-3 multipliers, and stiff stops.
+"""Stability maps of fixed steps: index-3 multipliers after a change of the step, and bounces in stiff stops.
 
 A pendulum swings for a second; then the step changes, and the library solves accelerations and multiplier afresh. The
-multiplier is judged by the tension that follows from position and velocity: m (v^2 - g . r) / L^2 is the multiplier of
-the length constraint. The mode that grows with rho_inf = 1: A. Cardona and M. Geradin, Comput. Struct. 33 (1989) 801,
-doi:10.1016/0045-7949(89)90255-6.
+multiplier is compared with the tension that follows from position and velocity: the length constraint's multiplier is
+m (v^2 - g . r) / L^2. A mode of the multipliers grows with rho_inf = 1 (A. Cardona and M. Geradin, Comput. Struct. 33
+(1989) 801, doi:10.1016/0045-7949(89)90255-6).
 
-A latch conserves energy, whether soft or rigid. The ratio of the energy at the end to the energy at the start
-therefore shows the method's own gain or loss.
+An undamped latch conserves energy, whether soft or rigid. The ratio of the energy at the end to the energy at the
+start therefore shows the method's own gain or loss.
 """
 
 import math
@@ -23,14 +23,14 @@ from solar_env.studies.stability.maps import Axis, Finding, Kind, StabilityMap, 
 
 FIRST_STEP, CHANGE_TIME, STEPS = 1e-2, 1.0, 200  # s, s, number of steps after the change
 EXPLICIT, DAMPED, PAPER = "runge-kutta", "generalized-alpha, 0.8", "paper (beta = 1/4)"
-TOLERANCE = 0.02  # relative error allowed in the energy, and in the depth
+TOLERANCE = 0.02  # relative error allowed in the energy, and in the depth in the stop
 INERTIA, RATE, LOCK, GAP = 4.5, 0.3, 0.02, 0.01  # kg m2, rad/s, rad, rad
 LATCH_TIME = 0.4  # s
 MOST_STEPS = 300_000
 
 
 def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
-    """Return the (STEPS,) errors of the multipliers after a change, divided by the greatest force."""
+    """Return the (STEPS,) multiplier errors after the step changes by `ratio`, divided by the greatest force."""
     simulation = Simulation(pendulum(), GeneralizedAlpha(step=FIRST_STEP, rho_inf=rho_inf))
     simulation.advance(CHANGE_TIME)
     simulation.integrator = GeneralizedAlpha(step=ratio * FIRST_STEP, rho_inf=rho_inf)
@@ -44,7 +44,7 @@ def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
 
 
 def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Finding:
-    """Measure the multiplier's greatest error after a change: fine up to a fifth of the force, spikes if transient."""
+    """Measure the greatest multiplier error after a step change: fine to a fifth of the force, spikes if transient."""
 
     def judge(errors: NDArray[np.float64]) -> Finding:
         tolerance = 2.0 * LARGEST_FORCE_SHARE
@@ -56,19 +56,19 @@ def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Finding:
 
 
 def swinging_link(stiffness: float) -> Mechanism:
-    """Make a link that turns about a fixed hinge into its latch, an undamped linear stop of a stiffness [N m/rad]."""
+    """Make a link that turns about a fixed hinge into a latch, an undamped linear stop of a stiffness [N m/rad]."""
     stop = Stop(GAP, stiffness, exponent=1.0, ramp_depth=1e-3, damping=0.0)
     joint = Joint("hinge", GROUND, "link", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=LOCK)
     return Mechanism((Link(1.5, 6.0, INERTIA - 6.0 * 0.75**2).body("link", 0j, 0.0, 0j, RATE),), (joint,))
 
 
 def impact_time(stiffness: float) -> float:
-    """Return the time [s] that the link stays in the stop: half a period."""
+    """Return the time [s] that the link stays in the stop: half the period of its vibration on the stop."""
     return math.pi * math.sqrt(INERTIA / stiffness)
 
 
 def measure_latch(panel: str, step: float, stiffness: float) -> Finding:
-    """Measure the ratio of final to initial energy after bounces in a latch; wrong if the depth alone is off."""
+    """Measure the ratio of final to initial energy in a latch; wrong if the energy is right but the depth is not."""
     duration = LATCH_TIME + 2.0 * impact_time(stiffness)
     method: Integrator = RungeKutta(max_step=step, max_steps=MOST_STEPS)
     if panel != EXPLICIT:

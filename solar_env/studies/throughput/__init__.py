@@ -1,5 +1,5 @@
-"""Environment steps per second, and the parts of their time.
+"""Throughput of the environments: steps per second, and the fraction of the time in compiled calls.
 
-Imports `common` and the environments. A further measurement is a function in `measurements`, and a column of
+Imports `common` and the environments. To add a measurement, add a function to `measurements` and a column to
 `as_markdown`.
 """

@@ -1,7 +1,7 @@
-"""Environment steps per second by model and number of lanes, and the parts of their time.
+"""Environment steps per second by model and number of lanes, and the fraction of the time in compiled calls.
 
-Episodes cost most after latching, hundreds of times as much as in free flight. Lanes are therefore put at moments
-spread evenly over one passive deployment, so that a few steps stand for whole episodes.
+Steps cost most after latching, hundreds of times as much as in free flight. The lanes (a vector environment's single
+environments) therefore start from states spread evenly over a passive deployment: few steps represent whole episodes.
 """
 
 import time
@@ -23,7 +23,7 @@ SCALED_LANES = 64
 COMPARED_LANES = 8
 PEERS = ("SyncVectorEnv", "SubprocVecEnv")
 MOMENTS = 128
-# A measurement goes on for at least this time [s], and at least this number of rounds.
+# Least duration [s] and least number of rounds of a measurement.
 ENOUGH, FEWEST = 2.0, 3
 
 
@@ -36,18 +36,18 @@ def moments(model: str) -> tuple[State, ...]:
     while not terminated:
         terminated = env.step(np.zeros(1))[2]
         states.append(env.simulation.snapshot())
-    # The last control period is cut short, and after it the episode would be over.
+    # Leave out the last two states: a step from the first is cut short, and the second ends the episode.
     return tuple(states[k] for k in np.linspace(0, len(states) - 3, MOMENTS).astype(int))
 
 
 def placements(model: str, lanes: int) -> list[list[State]]:
-    """Return placements, each a moment for every lane, that together meet all moments."""
+    """Return lists of saved states, one state for each lane; together the lists cover all MOMENTS states."""
     every = moments(model)
     return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
 
 def spread(model: str, lanes: int) -> list[State]:
-    """Return a moment for every lane, spread over the deployment."""
+    """Return one saved state for each lane, spread evenly over the deployment."""
     return [moments(model)[(lane * MOMENTS) // lanes] for lane in range(lanes)]
 
 
@@ -66,26 +66,26 @@ class FromMoment(gymnasium.Wrapper):
 
 
 def make_native(model: str, lanes: int, threads: int | None = None) -> SolarArrayVectorEnv:
-    """Make a native vector environment, and reset it."""
+    """Make a native vector environment (this project's SolarArrayVectorEnv), and reset it."""
     env: Any = gymnasium.make_vec(DEPLOY, lanes, version="v1", model=model, num_threads=threads).unwrapped
     env.reset(seed=0)
     return env
 
 
 def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
-    """Put every lane at its chosen moment."""
+    """Restore in each lane of a vector environment the saved state chosen for the lane."""
     for simulation, moment in zip(env.episodes.batch.simulations, chosen, strict=True):
         simulation.restore(moment)
 
 
-# Environment, and functions that put its lanes at moments, one for each placement.
+# An environment, and for each placement a function that restores the saved states in the environment's lanes.
 Contestant = tuple[Any, Sequence[Callable[[], object]]]
 
 
 def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
-    """Measure the steps per second of contestants stepped in turn, so that disturbances meet all alike.
+    """Measure steps per second of several environments stepped in turn, so that disturbances affect all alike.
 
-    All have the same number of placements. For each placement the median time of all rounds but the first counts.
+    All have the same number of placements. The time of a placement is the median of all rounds but the first.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     rounds: list[list[list[float]]] = []
@@ -108,7 +108,7 @@ def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, floa
 
 
 def measure_rate(model: str, lanes: int) -> dict[str, float]:
-    """Measure steps per second of native lanes through all moments; with SCALED_LANES lanes also the compiled share."""
+    """Measure native steps per second from all MOMENTS states, and the compiled time fraction at SCALED_LANES lanes."""
     env = make_native(model, lanes)
     taken = {"step": 0.0, "run": 0.0}
     for owner, name in ((env, "step"), (env.episodes.batch, "run")):
@@ -131,7 +131,7 @@ def _timed(function: Callable[..., object], taken: dict[str, float], name: str) 
 
 
 def measure_threads(model: str) -> dict[str, float]:
-    """Measure the throughput of SCALED_LANES native lanes with all threads, divided by that with one thread."""
+    """Measure the throughput ratio of all threads to one thread, with SCALED_LANES native lanes."""
     chosen, every = spread(model, SCALED_LANES), available_processors()
     envs = {name: make_native(model, SCALED_LANES, threads) for name, threads in (("one", 1), ("every", every))}
     rates = compare({name: (env, [partial(place, env, chosen)]) for name, env in envs.items()}, SCALED_LANES)
@@ -139,7 +139,7 @@ def measure_threads(model: str) -> dict[str, float]:
 
 
 def measure_peers(model: str) -> dict[str, float]:
-    """Measure the throughput ratios of COMPARED_LANES native lanes to Gymnasium's and Stable-Baselines3's vectors."""
+    """Measure throughput ratios of COMPARED_LANES native lanes to Gymnasium's and Stable-Baselines3's environments."""
     from stable_baselines3.common.vec_env import SubprocVecEnv
 
     chosen = spread(model, COMPARED_LANES)
@@ -158,31 +158,24 @@ def measure_peers(model: str) -> dict[str, float]:
 
 
 def measurements(models: Iterable[str]) -> list[tuple[str, Callable[[], dict[str, float]]]]:
-    """List all measurements: model, and function that measures figures by name."""
+    """List all measurements as pairs of a model and a function that measures figures by name."""
     whats: list[Callable[[str], dict[str, float]]] = [partial(measure_rate, lanes=lanes) for lanes in LANES]
     whats += [measure_threads, measure_peers]
     return [(model, partial(what, model)) for model in models for what in whats]
 
 
 def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
-    """Format the figures of all models: rates by lanes, thread ratio, compiled share, and ratios to other vectors."""
+    """Format tables of all models: steps per second by lanes; thread ratio, compiled fraction, and ratios to PEERS."""
     threads = available_processors()
-    columns = (
-        "model", *map(str, LANES), f"{threads} threads over 1", "compiled share",
-        *(f"over {peer}" for peer in PEERS),
-    )  # fmt: skip
-    rows = [
-        (
-            model,
-            *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES),
-            f"{measured['threads']:.2f}",
-            f"{measured['compiled']:.1%}",
-            *(f"{measured[peer]:.2f}" for peer in PEERS),
-        )
-        for model, measured in figures.items()
+    rates = [(model, *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES)) for model, measured in figures.items()]
+    ratios = [
+        (model, f"{found['threads']:.2f}", f"{found['compiled']:.1%}", *(f"{found[peer]:.2f}" for peer in PEERS))
+        for model, found in figures.items()
     ]
+    columns = ("model", f"ratio of {threads} threads to 1", "fraction of the time in compiled calls")
     return (
-        f"Environment steps (0.1 s) per second by number of lanes, {threads} threads; with {SCALED_LANES} lanes the "
-        "ratio to one thread, and the share of the time in compiled calls; ratio to other vectors of "
-        f"{COMPARED_LANES} environments:\n\n{markdown_table(columns, rows)}"
+        f"Steps of 0.1 s per second, by number of environments in the vector, with {threads} threads:\n\n"
+        f"{markdown_table(('model', *map(str, LANES)), rates)}\n\n"
+        f"Rates compared: threads and compiled calls with {SCALED_LANES} environments, other vectors with "
+        f"{COMPARED_LANES}:\n\n{markdown_table((*columns, *(f'ratio to {peer}' for peer in PEERS)), ratios)}"
     )

@@ -1,4 +1,4 @@
-"""Deployments repeated with the worn clearance fed back.
+"""Repeated deployments, in which wear enlarges the clearances of later deployments.
 
-`repeated` measures them, `plot` draws them. Imports `common`.
+`repeated` measures the deployments, `plot` draws their table. Imports `common`.
 """

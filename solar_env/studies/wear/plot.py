@@ -10,7 +10,7 @@ from solar_env.studies.common.tables import Table
 from solar_env.support.files import save_figure
 
 JOINTS = (1, 2)
-# By column, with "{}" for the joint: label, and factor to the label's unit.
+# Column name, with "{}" for the joint -> axis label, and factor from SI units to the label's unit.
 COLUMNS = {
     "clearance_{}_m": ("clearance [mm]", 1e3),
     "wear_{}_m": ("growth of the clearance\nby a deployment [µm]", 1e6),

@@ -1,10 +1,10 @@
-"""Wear carried over: deployments repeated with the worn clearance fed back.
+"""Campaigns of repeated deployments, in which wear enlarges the clearances of later deployments.
 
-Wear is so small that many deployments pass before the clearance, and with it the motion, has changed. Of deployments
-that change no clearance by more than a given share, only the first is simulated. Its wear predicts the clearance of the
-next simulated deployment, whose wear corrects the prediction: in between, wear is linear in the number of deployments
-(Heun's method). The clearance grows by the mean wear depths round bearing and journal together: it gains the worn
-volume, and stays round as the contact law needs it.
+Wear is so small that many deployments pass before it changes the clearance and the motion. Successive deployments that
+together change no clearance by more than a given fraction form a group, and only the group's first deployment is
+simulated. Its wear predicts the clearance of the next group, whose wear corrects the prediction: within a group, wear
+per deployment is linear in the deployment's number (Heun's method). The clearance grows by the sum of the mean wear
+depths round bearing and journal: the gap gains the worn volume, and stays round as the contact law requires.
 """
 
 import math
@@ -27,23 +27,23 @@ FILE = "repeated.csv"
 DEPLOYMENTS = 100
 MODEL = "rigid-clearance"
 DURATION = 30.0  # s
-# Archard's k [m2/N]: ten deployments wear like 1e9 deployments at the array's 1e-14.
+# Archard's k [m2/N]: ten deployments wear like 1e9 deployments at the array's default of 1e-14.
 WEAR_COEFFICIENT = 1e-6
-GROWTH = 0.05  # share of a clearance that may be worn before the next deployment is simulated
-MEMBERS = 4  # runs that stand for a deployment
+GROWTH = 0.05  # fraction of a clearance that may be worn before the next deployment is simulated
+MEMBERS = 4  # runs of the ensemble that represents a deployment
 
 
 @dataclass(frozen=True)
 class Deployment:
-    """One simulated deployment of the campaign; figures by joint (joints,) are means over an ensemble."""
+    """One simulated deployment of a campaign, with a value per joint; wear and force are means over an ensemble."""
 
     number: int  # number of deployments before this one
-    repeated: int  # number of deployments that this one stands for
-    clearance: Array  # m
+    repeated: int  # number of successive deployments that this one represents, itself included
+    clearance: Array  # clearance in this deployment [m]
     wear: Array  # growth of the clearance by this deployment [m]
-    wear_error: Array  # standard error
+    wear_error: Array  # standard error [m]
     force: Array  # greatest contact force after the first latching [N]
-    force_error: Array
+    force_error: Array  # standard error [N]
 
 
 def measure_repeated(deployments: int, workers: int, console: Console) -> list[Row]:
@@ -60,13 +60,13 @@ def measure_repeated(deployments: int, workers: int, console: Console) -> list[R
 def wear_campaign(
     parameters: ArrayParameters, deployments: int, growth: float, members: int, workers: int = 1
 ) -> Iterator[Deployment]:
-    """Simulate a campaign, and yield every simulated deployment.
+    """Simulate a campaign of repeated deployments, and yield every simulated deployment.
 
     Args:
         parameters: parameters of the unworn array.
         deployments: number of deployments in the campaign.
-        growth: share of a clearance that may be worn before the next deployment is simulated; 0 simulates every one.
-        members: runs of the ensemble that stands for a deployment, 2 or more.
+        growth: fraction of a clearance that may be worn before the next deployment is simulated; 0 simulates every one.
+        members: number of runs in the ensemble that represents a deployment, 2 or more.
         workers: number of processes that simulate.
     """
     clearance = np.array(parameters.for_each_joint("clearance"))
@@ -89,7 +89,7 @@ def wear_campaign(
 
 
 def row_of(deployment: Deployment) -> Row:
-    """Return the row of a table, joints counted from 1."""
+    """Return a simulated deployment's table row; column names count joints from 1."""
     row: Row = {"deployment": deployment.number, "repeated": deployment.repeated}
     for joint, clearance in enumerate(deployment.clearance, start=1):
         row[f"clearance_{joint}_m"] = float(clearance)
@@ -100,7 +100,7 @@ def row_of(deployment: Deployment) -> Row:
 
 
 def _deploy(run: tuple[ArrayParameters, int]) -> list[list[float]]:
-    """Simulate one deployment, different for every number; return clearance growths [m] and peak forces [N]."""
+    """Simulate one deployment, perturbed by its number; return clearance growths [m] and peak forces [N] by joint."""
     parameters, number = run
     motion = Level(MODEL).deploy(parameters, number, DURATION, DURATION)
     growth = motion.wear_bearing.mean(axis=1) + motion.wear_journal.mean(axis=1)

@@ -1,4 +1,4 @@
-"""Case of figures that an engineer of mechanisms works out by hand, for arrays whose panels have the default size."""
+"""Case of results that an engineer of mechanisms works out by hand, for arrays with panels of the default size."""
 
 import cmath
 import math
@@ -42,12 +42,15 @@ def _run(duration: float, model: str = "rigid-ideal", step: float = 0.5, **chang
 
 
 def swing_time(inertia: float, stiffness: float, preload: float, lock: float) -> float:
-    """Return the time [s] in which a spring turns a body about a fixed hinge, from rest to its lock angle [rad]."""
+    """Return the time [s] in which a spring turns a body about a fixed hinge, from rest to the lock angle [rad]."""
     return math.sqrt(inertia / stiffness) * math.acos(1.0 - lock / preload)
 
 
 def inertias(p: ArrayParameters, angle: float) -> Array:
-    """Return the mass matrix [kg m2, kg m, kg] of the root's angle, hinges in step, and a free array's rigid motion."""
+    """Return the mass matrix [kg m2, kg m, kg] of an array whose hinges open in proportion to the root angle.
+
+    The coordinates are the root angle and, for a free array, the array's rotation and translation.
+    """
     chain, ratios = make_chain(p), [row.sign * row.lock_angle / QUARTER for row in p.joints]
     links, ways = len(chain.links), np.zeros((chain.size, 1 if p.body_fixed else 4))
     ways[links - len(ratios) : links, 0] = np.cumsum(ratios)
@@ -57,26 +60,26 @@ def inertias(p: ArrayParameters, angle: float) -> Array:
 
 
 def spring_work(p: ArrayParameters, angles: Array) -> float:
-    """Return the work [J] of the torsion springs from the folded array to some joint angles [rad]."""
+    """Return the work [J] that the torsion springs do from the folded state to given joint angles [rad]."""
     return float(0.5 * angles @ (spring_torques(p, angles) + spring_torques(p, 0.0 * angles)))
 
 
 def opening(p: ArrayParameters) -> tuple[float, float, float]:
-    """Return the latch time [s] of hinges that open in step, and the root's rate [rad/s] and hub's turn [rad] then."""
+    """Return latch time [s], root rate [rad/s] and hub turn [rad] at latching, for hinges that open in proportion."""
 
     def rates(angle: float) -> Array:
-        inverse = np.linalg.inv(inertias(p, angle))[:, 0]  # the array as a whole has no momenta
+        inverse = np.linalg.inv(inertias(p, angle))[:, 0]  # the whole array has zero momenta
         work = spring_work(p, angle / QUARTER * LOCKS[: p.panel_count])
         return np.asarray(inverse * math.sqrt(2.0 * work / inverse[0]))
 
-    # The rate begins as the square root of the angle, so this root is the variable of integration.
+    # The rate starts as the square root of the angle, so this square root is the variable of integration.
     time, _ = quad(lambda x: 2.0 * x / rates(x * x)[0], 0.0, math.sqrt(QUARTER), epsabs=1e-12, epsrel=1e-12)
     turn, _ = quad(lambda x: rates(x)[-3:][0] / rates(x)[0], 0.0, QUARTER)
     return float(time), float(rates(QUARTER)[0]), float(turn)
 
 
 def _openings() -> Iterator[Check]:
-    """Check latch times of one panel and of three; for one also rate, energies, turn of the hub, and latch torque."""
+    """Check latch times of one panel and of three; with one panel also rate, energies, hub turn and latch torque."""
     names = ("latch time [s]", "rate then [rad/s]", "energy put in [J]", "kinetic energy [J]", "turn of the hub [rad]")
     for name, changes, rows, tolerance in (
         ("one panel, hub held", ALONE, 4, 1e-10),
@@ -93,7 +96,7 @@ def _openings() -> Iterator[Check]:
         expected = time, rate, 0.05 * 2.0**2, spring_work(p, LOCKS[: p.panel_count]), turn
         figures = list(zip(names, expected, obtained, strict=True))[:rows]
         yield from compare(figures, f"{name}: {{}}", tolerance, CONSERVED, relative=True)
-    # The spring works on while the panel flies through the gap, and until an undamped latch has stopped it.
+    # The spring still does work while the panel crosses the gap, and until the undamped latch has stopped the panel.
     met = QUARTER + 0.01
     angle = brentq(lambda x: 0.05 * x * (5.0 - x) - 500.0 * (x - met) ** 2, met, met + 0.1, xtol=1e-15)
     peak = _run(8.3, step=1e-4, **ALONE, spring_preload_angle=2.5, latch_damping=0.0).peak_latch_torque[0]
@@ -101,7 +104,7 @@ def _openings() -> Iterator[Check]:
 
 
 def _hold_downs() -> Iterator[Check]:
-    """Check panels released one after the other; a panel held at 0.1 rad on a light yoke, in the limit of no yoke."""
+    """Check panels released in turn, and a panel held at 0.1 rad on a light yoke, extrapolated to no yoke."""
     times = _run(
         60.0, body_fixed=True, cable_stiffness=0.0, release_time=(3.0, 20.0), release_after=(0, 1), latch_gap=0.0,
         spring_preload_angle=(2.0, 3.5), latch_stiffness=1e5, latch_damping=1e3, latch_ramp_depth=1e-6,
@@ -116,7 +119,7 @@ def _hold_downs() -> Iterator[Check]:
             release_time=(0.0, 9.0), latch_stiffness=1e5, latch_damping=20.0, latch_ramp_depth=1e-7,
         )  # fmt: skip
         inertia = CENTRAL + MASS * abs(length + cmath.rect(LENGTH / 2.0, 0.1)) ** 2 + 2.5e-4 * length**3 / 3.0
-        time = swing_time(inertia, 2.0, QUARTER, QUARTER)  # the hold-down gives way, which adds 1e-5 of the time
+        time = swing_time(inertia, 2.0, QUARTER, QUARTER)  # the hold-down yields a little, which adds 1e-5 of the time
         figures.append((f"on a yoke of {length:g} m", time, motion.latch_times[0], 3e-5))
     limit = float(np.dot([obtained for _, _, obtained, _ in figures[2:]], (1.0, -6.0, 8.0))) / 3.0
     figures.append(("extrapolated to no yoke", swing_time(INERTIA, 2.0, QUARTER, QUARTER), limit, 3e-5))
@@ -124,8 +127,8 @@ def _hold_downs() -> Iterator[Check]:
 
 
 def _impact() -> Iterator[Check]:
-    """Check the first impact in the hinge of a hub and a panel that turn freely: approach, peak force, impulse."""
-    # As complex numbers: the hinge from the hub's centre of mass, and the panel's centre of mass from its end.
+    """Check the first impact in the hinge of a hub and a panel, both free: time, approach speed, force and impulse."""
+    # Complex vectors: from the hub's centre of mass to the hinge, and from the panel's end to its centre of mass.
     places, spins, gap = np.array([0.5 + 0.2j, -0.5j * LENGTH]), np.array([3e-3, 7e-3]), 1e-3
     contact = _run(
         9.0, "rigid-clearance", **LIGHT, panel_count=1, hinge_y=0.2, spring_stiffness=0.0, initial_spin=spins[0],
@@ -165,7 +168,7 @@ def _wear() -> Iterator[Check]:
 
 
 def _deployed() -> Iterator[Check]:
-    """Check frequencies of a flexible panel on its latch; spin and forces of an array that deployment slows down."""
+    """Check frequencies of a flexible panel on its latch, and spin and pin forces of an array slowed by deployment."""
     found = natural_frequencies(build_deployed(ArrayParameters(**ALONE), "flexible-ideal:24 elements"))
     bending = 280e6 * THICKNESS**3 / 12.0  # N m2
 
@@ -189,7 +192,7 @@ def _deployed() -> Iterator[Check]:
 
 
 def _gravity() -> Iterator[Check]:
-    """Check one panel and two at rest on latches under the Moon's gravity; a panel that swings without a spring."""
+    """Check one and two panels at rest on latches under lunar gravity, and a panel that swings without a spring."""
     for count in (1, 2):
         motion = _run(
             60.0, panel_count=count, body_fixed=True, gravity=1.62, spring_stiffness=20.0, hinge_damping=10.0,

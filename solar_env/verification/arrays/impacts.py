@@ -1,9 +1,9 @@
-"""Cases of the impacts inside a deployment at default settings, each beside the same impact at a tight tolerance.
+"""Cases of impacts within a deployment: each impact at default settings against the same impact at a tight tolerance.
 
-Deployments with clearance are chaotic: two runs soon have different impacts. Here each impact of the default run is
-solved a second time from the very state in which it began. With rigid panels the second run is explicit. With modal
-panels it takes the same method at a hundredth of the tolerance and shows the error of its steps alone: closed forms of
-the impact are in the cases `restitution`, `modal-struck-bar` and `modal-struck-beam`.
+Deployments with clearance are chaotic: two runs soon have different impacts. Each impact of the default run is
+therefore solved a second time from the state in which it began. With rigid panels the second run is explicit. With
+modal panels the second run has a hundredth of the tolerance and shows the error of the steps alone; the cases
+`restitution`, `modal-struck-bar` and `modal-struck-beam` compare impacts with closed forms.
 """
 
 from collections.abc import Iterator
@@ -22,14 +22,14 @@ from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import Check
 
-_CHUNK = 0.01  # s, in which chaos does not yet part a run from its repetition up to an impact
-_CORRECTIONS = 4  # by Newton's method of the moment at which surfaces part
-_MOST_CONTACTS = 4096  # contacts in a chunk or in one impact
-_STEPS_PER_IMPACT = 40.0  # of the tight runs
-# Modal panels give way in an impact, which lasts some 35 times as long as predicted: the prediction holds at the start
-# of a panel's deformation. Contacts longer than this many predicted durations, 8 ms, are no impacts.
+_CHUNK = 0.01  # chunk of a run [s], too short for chaos to separate the run from its repetition
+_CORRECTIONS = 4  # Newton corrections of the time at which surfaces separate
+_MOST_CONTACTS = 4096  # most contacts in a chunk or in one impact
+_STEPS_PER_IMPACT = 40.0  # steps per impact in the tight runs
+# Longest impact in predicted durations, 8 ms; longer contacts are no impacts. Modal panels give way, so that an impact
+# lasts some 35 times as long as predicted: the prediction holds only at the start of a panel's deformation.
 _LONGEST_MODAL = 100.0
-_FAST = 0.01  # m/s: impacts from here on have the peak forces
+_FAST = 0.01  # impact speed [m/s] from which on impacts cause the peak forces
 _ALONE = "impacts that other joints' impacts do not draw out"
 _EXPLICIT = "the same impact from the same state, rtol 1e-10, 40 steps an impact"
 _TIGHTER = "the same impact from the same state and by the same method, a hundredth of rtol, 40 steps an impact"
@@ -38,7 +38,7 @@ Column = NDArray[np.float64]
 
 
 def _contacts(simulation: Simulation, end_time: float) -> list[tuple[float, int, float]]:
-    """Advance, and return start [s], joint and end [s] of the contacts on the way; the end of an open one is nan."""
+    """Advance to `end_time`; return start [s], joint and end [s] of every contact, with the end nan if still open."""
     recorder = make_recorder(simulation.model, simulation.state, np.zeros(0), _MOST_CONTACTS)
     simulation.advance(end_time, recorder)
     rows = recorder.contacts[: recorder.filled[1]]
@@ -48,7 +48,7 @@ def _contacts(simulation: Simulation, end_time: float) -> list[tuple[float, int,
 
 
 def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
-    """Return the depth [m] of the contact of joint `j`, negative for a gap, and its rate [m/s]."""
+    """Return the contact depth [m] of joint `j`, negative for a gap, and the rate of the depth [m/s]."""
     model, state = simulation.model, simulation.state
     if isinstance(model, ModalModel):
         return float(state.motion[j, DEPTH]), float(state.motion[j, DEPTH_RATE])
@@ -57,13 +57,13 @@ def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
 
 
 def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: float) -> tuple[float, ...]:
-    """Return exit speed [m/s] and duration [s] of the contact of joint `j` that has just begun, and contacts till then.
+    """Return exit speed [m/s] and duration [s] of the contact that joint `j` begins in `start`, and number of contacts.
 
     A contact longer than `longest` predicted durations gives an empty tuple.
     """
     begun, duration = float(start.joints[j]["contact_start"]), float(start.joints[j]["contact_duration"])
     simulation.restore(start)
-    # Only the method sets the steps up to the end of the contact; a linear estimate of the end is then corrected.
+    # The first run leaves all steps to the method; Newton's method then corrects the linear estimate of the end.
     contacts = _contacts(simulation, begun + longest * duration)
     end = next(end for other_start, joint, end in contacts if (other_start, joint) == (begun, j))
     rate = -1.0
@@ -82,19 +82,19 @@ def impacts(
 ) -> tuple[Column, Column, float]:
     """Simulate a deployment by the default method, and each of its impacts also by another method.
 
-    The exit speed contains what other joints' impacts and the springs do meanwhile, and can exceed the impact speed.
+    The exit speed includes the effects of springs and of other joints' impacts, and can exceed the impact speed.
 
     Args:
         model: level of the model.
         duration: duration of the deployment [s].
-        tight: method of the second run of each impact, for the default method's formulation.
-        longest: longest contact, in predicted durations; contacts that last longer are left out.
-        slowest: exit speed [m/s] below which the method's tolerance does not tell whether surfaces part.
+        tight: method of the second run of each impact, in the same formulation as the default method.
+        longest: longest contact, in predicted durations; longer contacts are left out.
+        slowest: exit speed [m/s] below which the method's tolerance leaves open whether surfaces separate.
 
     Returns:
-        Speeds [m/s] and errors of the exit speeds [m/s] of the impacts in which both runs have the same contacts; and
-        the share of other impacts, where only those at `slowest` or faster count: steps may pass over gaps of some
-        nanometres, in this joint or in another one.
+        Impact speeds [m/s] and exit-speed errors [m/s] of impacts with the same contacts in both runs, and the fraction
+        of other impacts. Other impacts with a lower exit speed than `slowest` do not count: steps may pass over gaps of
+        some nanometres, in this joint or in another joint.
     """
     mechanism = build(ArrayParameters(), model)
     run, tight_run = Simulation(mechanism, default_integrator(model)), Simulation(mechanism, tight)
@@ -110,7 +110,7 @@ def impacts(
             run.advance(begun + 1e-9)
             start = run.snapshot()
             joint = start.joints[j]
-            # At the minimum impact speed a journal leans on its bearing, as does a journal in contact for long.
+            # A journal at the minimum impact speed leans on its bearing, as does a journal in contact for long.
             leans = joint["impact_speed"] <= run.model.joints[j]["minimum_impact_speed"]
             if joint["in_contact"] and joint["contact_start"] > before.clock["time"][0] and not leans:
                 ends = [_exit(simulation, start, j, longest) for simulation in (run, tight_run)]
@@ -124,7 +124,7 @@ def impacts(
 
 
 def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterator[Check]:
-    """Check that enough impacts, and nearly all of them, have the same contacts in both runs."""
+    """Check that enough impacts, and nearly all impacts, have the same contacts in both runs."""
     missing = max(at_least - number, 0)
     yield Check(f"{name}: impacts compared: {number}, at least {at_least}", 0.0, missing, 0.0, _ALONE)
     quantity = f"{name}: share of the impacts left out, where surfaces part for a moment in one of the two runs alone"
@@ -132,7 +132,7 @@ def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterato
 
 
 def explicit_impacts() -> Iterator[Check]:
-    """Check impacts of a deployment with rigid panels."""
+    """Check exit speeds of the impacts in a deployment with rigid panels."""
     name, tight = "rigid-clearance, 30 s", RungeKutta(rtol=1e-10, impact_resolution=_STEPS_PER_IMPACT)
     speed, errors, left_out = impacts("rigid-clearance", 30.0, tight, IMPACT_DURATIONS)
     yield from _compared(name, speed.size, 1000, left_out)
@@ -140,9 +140,9 @@ def explicit_impacts() -> Iterator[Check]:
 
 
 def modal_impacts() -> Iterator[Check]:
-    """Check impacts of a deployment with modal panels.
+    """Check exit speeds of the impacts in a deployment with modal panels.
 
-    The method's tolerance is a speed, here 0.1 mm/s: for slow impacts, exit speeds are compared and no ratios.
+    The method's tolerance is a speed, here 0.1 mm/s: slow impacts are compared by exit speed, not by speed ratio.
     """
     model = "flexible-clearance"
     name, default = f"{model}, 32 modes a panel, 16 s", default_integrator(model)

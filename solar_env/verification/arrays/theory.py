@@ -1,11 +1,11 @@
-"""The rigid array with ideal hinges in minimal coordinates; its latch times with an inextensible cable.
+"""Theory of the rigid array with ideal hinges in minimal coordinates, and of latch times with an inextensible cable.
 
-It is an open chain of rigid bodies: the coordinates are the angles of the bodies, and the place of a free base.
+The array is an open chain of rigid bodies. Coordinates are the angles of the bodies, and the position of a free base.
 
-With complex numbers for points of the plane, centroid i lies at p + sum over k of s_ik exp(i angle_k): the base point
-p, and constant arms s_ik from pin to pin and from the last pin to the centroid. Lagrange's equations follow from these
-arms without constraints. Integrated with SciPy's DOP853 (E. Hairer, S. P. Norsett and G. Wanner, Solving Ordinary
-Differential Equations I, 1993).
+Complex numbers stand for points of the plane. Centroid i lies at p + sum over k of s_ik exp(i angle_k). Here p is the
+base point, and the constant arms s_ik lead from pin to pin and from the last pin to the centroid. Lagrange's equations
+follow from these arms without constraints. SciPy's DOP853 integrates them (E. Hairer, S. P. Norsett and G. Wanner,
+Solving Ordinary Differential Equations I, 1993).
 """
 
 import math
@@ -28,13 +28,13 @@ MINIMAL = "minimal coordinates, integrated by SciPy's DOP853 at rtol 1e-12"
 
 @dataclass(frozen=True)
 class ChainLink:
-    """One body of a chain.
+    """A rigid body of a chain, between an inboard and an outboard pin.
 
     Attributes:
-        mass: [kg].
-        inertia: about the centroid [kg m2].
-        centroid: from the inboard pin, x + i y in the body's frame [m].
-        next_pin: from the inboard pin to the outboard one [m].
+        mass: mass [kg].
+        inertia: moment of inertia about the centroid [kg m2].
+        centroid: vector from the inboard pin to the centroid, x + i y in the body's frame [m].
+        next_pin: vector from the inboard to the outboard pin, x + i y in the body's frame [m].
     """
 
     mass: float
@@ -44,7 +44,7 @@ class ChainLink:
 
 
 class Chain:
-    """Equations of motion of n links, pinned at the origin or (`free`) floating.
+    """Equations of motion of a chain of n links, pinned at the origin or, if `free`, floating.
 
     Coordinates are the n angles, followed by x and y of the first inboard pin if the chain is free.
     """
@@ -69,7 +69,7 @@ class Chain:
         return np.hstack([turning, ones, 1j * ones])
 
     def mass_matrix(self, angles: Array) -> Array:
-        """Return the (size, size) generalized mass matrix [kg m2, kg m, kg]."""
+        """Return the (size, size) generalized mass matrix [kg m2, kg m, kg] at link angles [rad]."""
         jacobian = self.jacobian(angles)
         matrix = (jacobian.conj().T @ (self.masses[:, None] * jacobian)).real
         n = len(self.links)
@@ -77,7 +77,7 @@ class Chain:
         return matrix
 
     def applied(self, angles: Array, rates: Array, torques: Array) -> Array:
-        """Return the (size,) generalized forces: torques (n,) on the angles [N m], weights, and centripetal terms."""
+        """Return the (size,) generalized forces of torques (n,) on the angles [N m], weights and centripetal terms."""
         forces = self.masses * ((self.arms * np.exp(1j * angles)) @ rates**2 + self.gravity)
         total = (self.jacobian(angles).conj().T @ forces).real
         total[: len(self.links)] += torques
@@ -91,9 +91,9 @@ class Chain:
         coupling: tuple[Array, Array] | None = None,
         stop: Callable[[float, Array], float] | None = None,
     ) -> Any:
-        """Solve from rest, by SciPy, for some times [s] under torques [N m] of angles and rates; states hold both.
+        """Integrate angles [rad] and rates [rad/s] from rest by SciPy, under torques [N m] that depend on both.
 
-        A coupling is a constraint c . angles = const that acts through torques proportional to g, as rows (c, g).
+        A coupling (c, g) is a constraint c . angles = const, which acts through torques proportional to g.
         """
         n = len(self.links)
 
@@ -121,7 +121,7 @@ class Chain:
 
 
 def make_chain(p: ArrayParameters) -> Chain:
-    """Return the chain of panels, led by the main body unless fixed; that body's inboard pin is its centroid."""
+    """Return the chain of panels; unless fixed, the main body comes first, with its centroid as its inboard pin."""
     rows = [p.panel(joint.index) for joint in p.joints]
     panels = [ChainLink(row.mass, row.inertia, row.centroid + 0j, row.length + 0j) for row in rows]
     if p.body_fixed:
@@ -130,13 +130,13 @@ def make_chain(p: ArrayParameters) -> Chain:
 
 
 def folded_angles(p: ArrayParameters) -> Array:
-    """Return the absolute angles [rad] of the chain's links at t = 0."""
+    """Return the absolute angles [rad] of the chain's links in the folded array, at t = 0."""
     panels = -np.cumsum([joint.sign * joint.fold_angle for joint in p.joints])
     return panels if p.body_fixed else np.append(0.0, panels)
 
 
 def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
-    """Return the (panels, links) matrix in joint angles = matrix (angles - folded); its transpose spreads torques."""
+    """Return the (panels, links) matrix M in joint angles = M (angles - folded angles); M^T gives torques on links."""
     matrix = np.zeros((p.panel_count, p.panel_count + 1))
     for k, joint in enumerate(p.joints):
         matrix[k, k], matrix[k, k + 1] = -joint.sign, joint.sign
@@ -144,12 +144,12 @@ def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
 
 
 def spring_torques(p: ArrayParameters, joint_angles: Array) -> Array:
-    """Return the (panels,) spring torques K (preload angle - angle) [N m]."""
+    """Return the (panels,) torques K (preload angle - joint angle) [N m] of the hinge springs."""
     return np.array(p.for_each_joint("spring_stiffness")) * (p.for_each_joint("spring_preload_angle") - joint_angles)
 
 
 def hinge_torques(p: ArrayParameters) -> Callable[[Array, Array], Array]:
-    """Return the function from joint angles and rates to (panels,) torques [N m] of all hinge elements."""
+    """Return a function from joint angles and rates to the (panels,) total torques [N m] of all hinge elements."""
     curves = [
         (joint.index, PchipInterpolator(*np.array(table).T))
         for name in ("spring_torque", "harness_torque")
@@ -171,7 +171,7 @@ def hinge_torques(p: ArrayParameters) -> Callable[[Array, Array], Array]:
 
 
 def cable_torques(p: ArrayParameters, joint_angles: Array) -> Array:
-    """Return the (panels,) torques [N m] of cable loops with taut strands; wheel ratios follow from the lock angles."""
+    """Return the (panels,) joint torques [N m] of taut cable loops; wheel ratios follow from the lock angles."""
     total = np.zeros(p.panel_count)
     for k in range(1, p.panel_count):
         ratio = p.joints[k].lock_angle / p.joints[k - 1].lock_angle
@@ -182,7 +182,7 @@ def cable_torques(p: ArrayParameters, joint_angles: Array) -> Array:
 
 
 def joint_angles_over_time(p: ArrayParameters, times: list[float]) -> NDArray[np.float64]:
-    """Return the (times, panels) joint angles [rad] of the deployment with an elastic cable, before any latching."""
+    """Solve the deployment with an elastic cable and without latches for the (times, panels) joint angles [rad]."""
     chain, start, matrix = make_chain(p), folded_angles(p), hinge_map(p)
 
     at_hinges = hinge_torques(p)
@@ -196,7 +196,7 @@ def joint_angles_over_time(p: ArrayParameters, times: list[float]) -> NDArray[np
 
 
 def frequencies_on_latches(p: ArrayParameters) -> Array:
-    """Compute the (panels,) frequencies [Hz] of the deployed array, each joint sprung by its latch's stiffness."""
+    """Compute the (panels,) frequencies [Hz] of the deployed array, with a spring of latch stiffness at each joint."""
     chain, matrix = make_chain(p), hinge_map(p)
     deployed = folded_angles(p) + np.append(
         [] if p.body_fixed else 0.0, np.cumsum([j.sign * j.lock_angle for j in p.joints])
@@ -209,9 +209,9 @@ def frequencies_on_latches(p: ArrayParameters) -> Array:
 
 
 def latch_time(p: ArrayParameters) -> float:
-    """Compute the latch time [s] of two panels whose angles are held at 1 : 2 by a cable that does not stretch.
+    """Compute the latch time [s] of two panels whose joint angles an inextensible cable holds at 1 : 2.
 
-    The cable's torque acts on the joints as (-torque ratio, 1).
+    The cable loads the two joints with torques in the ratio -r : 1, where r is `cable_torque_ratio`, or 2 if None.
     """
     chain, start, matrix = make_chain(p), folded_angles(p), hinge_map(p)
     ratio = 2.0 if p.cable_torque_ratio is None else p.cable_torque_ratio

@@ -1,4 +1,4 @@
-"""Cases of flexible bodies: element, statics, vibration and dynamics against beam theory.
+"""Cases of beam elements against beam theory: order of convergence, statics, vibration and dynamics.
 
-Imports no other subject of the verification. A new case is a generator of `Check` and a row of `CASES`.
+They import no other subject of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
 """

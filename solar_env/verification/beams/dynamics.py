@@ -33,12 +33,12 @@ SIMO = "J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855, without shear: 
 BERZERI = "M. Berzeri and A. A. Shabana, J. Sound Vib. 235 (2000) 539: two methods agreed to the tolerance"
 
 SPIN_RATE, RAMP_TIME = 6.0, 15.0
-# The falling pendulum with a hundredfold bending stiffness and damping: smooth, so that both methods converge.
+# The falling pendulum with damping and a hundredfold bending stiffness moves smoothly: both methods converge.
 DAMPED_PENDULUM_BEAM = replace(PENDULUM_BEAM, bending_stiffness=100.0 * PENDULUM_BEAM.bending_stiffness, damping=0.01)
 
 
 def spin_up() -> Iterator[Check]:
-    """Check a beam spun up about its end: lag of the tip, and its steady stretch."""
+    """Check a beam spun up about one end: lag and positions of the tip, mean final extension, and energy."""
     beam = SPIN_UP_BEAM
     mechanism = spin_up_beam(beam, 16, SPIN_RATE, RAMP_TIME)
     motion = simulate(mechanism, 20.0, integrator=GeneralizedAlpha(step=2e-3), output_step=0.01)
@@ -47,7 +47,7 @@ def spin_up() -> Iterator[Check]:
     lowest = int(local.imag.argmin())
     yield Check("largest lag of the tip [m], 16 elements", -0.5738, local[lowest].imag, 1e-4, SIMO)
     yield Check("time of the largest lag [s], 16 elements", 6.76, motion.time[lowest], 0.01, SIMO)
-    # The beam goes on swinging by 1e-3 m, which shortens its projection
+    # The tip still swings by 1e-3 m, which shortens the projection of the beam.
     obtained = local.real[motion.time > RAMP_TIME].mean() - beam.length
     extension = theory.spinning_extension(beam, SPIN_RATE)
     yield Check("mean extension after the spin-up [m]", extension, obtained, 0.01 * extension, STRETCHED)
@@ -62,7 +62,7 @@ def spin_up() -> Iterator[Check]:
 
 
 def falling_pendulum() -> Iterator[Check]:
-    """Check flexible pendulums released from the horizontal: the published one, and a damped, stiffer one."""
+    """Check flexible pendulums released from the horizontal: a published pendulum, and a stiffer, damped pendulum."""
     elements = 32
     mechanism = flexible_pendulum(PENDULUM_BEAM, elements)
     simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))
@@ -85,7 +85,7 @@ def falling_pendulum() -> Iterator[Check]:
 
 
 def free_flight() -> Iterator[Check]:
-    """Check a floppy beam without supports: momenta, and the motion of the centre of mass under constant loads."""
+    """Check a floppy beam without supports: momenta and energy, without loads and under constant loads."""
     beam, elements = Beam(1.5, 4.0, 2e4, 2.0), 6
     duration, spin = 1.0, 4.0
     force, torque, middle = (3.0, -5.0), 2.0, 0.5 * beam.length
@@ -96,7 +96,7 @@ def free_flight() -> Iterator[Check]:
         ("force at the tip", (Load(BEAM, (beam.length, 0.0), force),)),
         ("torque at the tip", (Load(BEAM, (beam.length, 0.0), torque=torque),)),
     )
-    # Tolerances of angular momentum and energy. Moments are integrated by the trapezoidal rule; generalized-alpha has
+    # Tolerances of angular momentum and energy. The trapezoidal rule integrates moments; generalized-alpha has
     # an error (omega h)^2, and damps the high modes that a sudden torque excites.
     integrators: tuple[tuple[Integrator, float, float], ...] = (
         (RungeKutta(rtol=1e-8), 1e-6, 1e-6),

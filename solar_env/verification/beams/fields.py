@@ -1,4 +1,4 @@
-"""Places, velocities and momenta of bodies from their coordinates; flexible ones by SciPy's cubic Hermite splines."""
+"""Positions, velocities and momenta of bodies from coordinates; SciPy's cubic Hermite splines interpolate beams."""
 
 from typing import Any
 
@@ -13,40 +13,40 @@ Field = NDArray[np.complex128]
 
 
 def flexible_body(mechanism: Mechanism) -> FlexibleBody:
-    """Return the first body of a mechanism of beams."""
+    """Return the first body of a mechanism, which must be flexible."""
     body = mechanism.bodies[0]
     assert isinstance(body, FlexibleBody)
     return body
 
 
 def coordinates_of(body: FlexibleBody, first: int = 0) -> slice:
-    """Return the slice of a body's coordinates among the coordinates of its mechanism; it starts at `first`."""
+    """Return the slice of a beam's coordinates, from index `first` on, in the coordinates of the whole mechanism."""
     return slice(first, first + 4 * (body.elements + 1))
 
 
 def as_complex(coordinates: NDArray[np.float64]) -> Field:
-    """Return the (points, ...) x + i y of coordinates (..., 2 points) that alternate between x and y."""
+    """Convert coordinates (..., 2 points), alternately x and y, to complex numbers x + i y (points, ...)."""
     pairs = coordinates.reshape(*coordinates.shape[:-1], -1, 2)
     return np.moveaxis(pairs[..., 0] + 1j * pairs[..., 1], -1, 0)
 
 
 def nodes(body: FlexibleBody, values: NDArray[np.float64], first: int = 0) -> tuple[Field, Field]:
-    """Return the places (nodes, ...) and slopes of a body whose coordinates start at `first` in `values` (..., n)."""
+    """Return positions and slopes (nodes, ...) of a beam whose coordinates start at `first` in `values` (..., n)."""
     points = as_complex(np.asarray(values)[..., coordinates_of(body, first)])
     return points[0::2], points[1::2]
 
 
 def tip(body: FlexibleBody, values: NDArray[np.float64]) -> Any:
-    """Return the place x + i y of the last node, or its velocity."""
+    """Return the position x + i y of a beam's last node from coordinates, or its velocity from velocities."""
     return nodes(body, values)[0][-1]
 
 
 def beam_points(
     body: FlexibleBody, coordinates: NDArray[np.float64], velocities: NDArray[np.float64], first: int
 ) -> tuple[Field, Field, NDArray[np.float64]]:
-    """Return the places and velocities (..., points) along a body, and the mass (points,) [kg] that each stands for.
+    """Return positions and velocities (..., points) at a beam's Gauss points, and each point's mass (points,) [kg].
 
-    The points are Gauss points, which integrate products of two such fields exactly.
+    Sums over the Gauss points integrate products of two such fields exactly.
     """
     x, weights = np.polynomial.legendre.leggauss(4)
     ends, size = np.linspace(0.0, body.length, body.elements + 1), body.length / body.elements
@@ -58,9 +58,9 @@ def beam_points(
 
 
 def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Return linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s] by body, (times, bodies) each.
+    """Return linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s], (times, bodies) each.
 
-    Computed from the motion of base points or nodes and the described masses alone.
+    The momenta follow from the motion of base points or nodes and from the described masses alone.
     """
     linear, angular = [], []
     first = 0

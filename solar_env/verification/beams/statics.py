@@ -1,4 +1,4 @@
-"""Cases of beams at rest and about it: large deflections, natural frequencies, damping, orders of the elements."""
+"""Cases of beams at and near rest: large deflections, natural frequencies, damping, and orders of convergence."""
 
 import cmath
 import math
@@ -30,14 +30,14 @@ RIGID_BODY = "as many zero frequencies as rigid-body motions"
 
 
 def solve_tip(mechanism: Mechanism, load_steps: int = 10) -> tuple[complex, float]:
-    """Return the place x + i y [m] and direction [rad], from -pi to pi, of the tip at equilibrium."""
+    """Solve for static equilibrium; return the tip's position x + i y [m] and direction [rad] from -pi to pi."""
     places, slopes = nodes(flexible_body(mechanism), np.asarray(static_equilibrium(mechanism, load_steps=load_steps)))
     return complex(places[-1]), cmath.phase(complex(slopes[-1]))
 
 
 def tip_load() -> Iterator[Check]:
-    """Check a cantilever under a transverse dead load at its tip, so slender that it does not stretch."""
-    # Slenderness E A L^2 / (E I) = 1e6; stretch changes the figures by some load / 1e6.
+    """Check a cantilever, too slender to stretch, under a transverse dead load at its tip."""
+    # Slenderness E A L^2 / (E I) = 1e6; stretch changes the results by some load / 1e6.
     beam, elements = Beam(length=1.0, linear_density=1.0, axial_stiffness=1e6, bending_stiffness=1.0), 40
     names = ("deflection w / L", "shortening u / L", "tip angle [rad]")
     for load in (0.5, 1.0, 2.0, 5.0):
@@ -49,7 +49,7 @@ def tip_load() -> Iterator[Check]:
 
 
 def tip_moment() -> Iterator[Check]:
-    """Check a cantilever that a tip moment rolls up, to a full circle."""
+    """Check a cantilever that a tip moment rolls up into a quarter, a half and a full circle."""
     beam, elements = PANEL, 16
     for turns, name in ((0.25, "quarter"), (0.5, "half"), (1.0, "full")):
         turn = 2.0 * math.pi * turns
@@ -61,13 +61,13 @@ def tip_moment() -> Iterator[Check]:
             ("y / L of the tip", exact.imag, place.imag / beam.length),
             ("turn of the tip [rad]", turn, angle + 2.0 * math.pi * round((turn - angle) / (2.0 * math.pi))),
         )
-        # Errors of the elements, and of the end of the iteration.
+        # The tolerance covers the element error, and an iteration that ends at 1e-9.
         tolerance = 1.1 * turn * (turn / elements) ** 4 / 240.0 + 1e-9
         yield from compare(figures, f"{name} circle: {{}}, {elements} elements", tolerance, CIRCLE)
 
 
 def orders() -> Iterator[Check]:
-    """Check errors of frequencies and of large static deflections: their order, and their leading term."""
+    """Check element errors of frequencies and of large static deflections: order of convergence, and leading term."""
     beam, support, coarse, fine = PANEL, "clamped-free", 8, 16
     exact = theory.bending_frequencies(support, beam, 3)
     wave_numbers = theory.bending_wave_numbers(support, 3) / beam.length
@@ -79,13 +79,13 @@ def orders() -> Iterator[Check]:
         obtained = errors[fine][mode] / theory.cubic_element_frequency_error(wave_numbers[mode], beam.length / fine)
         quantity = f"error of the frequency of bending mode {mode + 1}, {fine} elements, over (beta h)^4 / 1440"
         yield Check(quantity, 1.0, obtained, 0.05, f"{STRANG_FIX}: leading term")
-    # The bar is nearly without bending stiffness: bending modes lie far below.
+    # The bar has almost no bending stiffness: bending frequencies lie far below axial ones.
     bar = Beam(1.0, 1.0, 1.0, 1e-12)
     expected = float(theory.axial_frequencies(support, bar, 2)[1])
     found = [np.abs(natural_frequencies(cantilever(bar, n)) - expected).min() for n in (coarse, fine)]
     quantity = f"order of the second axial frequency, {coarse} and {fine} elements"
     yield Check(quantity, 6.0, math.log2(found[0] / found[1]), 0.3, f"{CUBICS} and strains, m = 1")
-    # In a thick beam the error of bending decides, in a slender one membrane locking.
+    # Bending dominates the error of a thick beam, membrane locking the error of a slender beam.
     for slenderness, load, order in ((100.0, 5.0, 4.0), (67500.0, 0.5, 6.0)):
         bent = Beam(1.0, 1.0, slenderness, 1.0)
         place, _ = theory.deflected_tip(bent, 1j * load)
@@ -93,13 +93,13 @@ def orders() -> Iterator[Check]:
         name = f"tip deflection, E A L^2 = {slenderness:g} E I, P L^2 = {load:g} E I"
         obtained = math.log2(missing[0] / missing[1])
         yield Check(f"{name}: order, {coarse} and {fine} elements", order, obtained, 0.3, PERTURBED)
-        # The next term has a factor h^2
+        # The next error term is smaller by a factor h^2.
         obtained = missing[1] / theory.element_deflection_error(load, slenderness, fine)
         yield Check(f"{name}: error over its leading term, {fine} elements", 1.0, obtained, 0.15, PERTURBED)
 
 
 def panel_frequencies() -> Iterator[Check]:
-    """Check bending frequencies of a panel, clamped, pinned and free, and of two panels in a row."""
+    """Check frequencies of a panel, clamped, pinned and free, and of two clamped panels in a row as one beam."""
     double = replace(PANEL, length=2.0 * PANEL.length)
     variants = (
         ("clamped-free", PANEL, 12, cantilever(PANEL, 12), 0),
@@ -114,7 +114,7 @@ def panel_frequencies() -> Iterator[Check]:
         wave_numbers = theory.bending_wave_numbers(support, 3) / beam.length
         for mode, expected in enumerate(exact):
             bound = theory.cubic_element_frequency_error(float(wave_numbers[mode]), beam.length / elements)
-            # The elements' error, and the rounding of an eigenvalue, which is relative to the highest one.
+            # The tolerance covers the element error, and rounding, which is relative to the highest eigenvalue.
             obtained = frequencies[rigid + mode]
             quantity = f"{title}: bending mode {mode + 1} [Hz], {elements} elements"
             tolerance = 1.1 * bound + np.finfo(float).eps * float(frequencies[-1] / expected) ** 2
@@ -128,7 +128,7 @@ def panel_frequencies() -> Iterator[Check]:
 
 
 def material_damping() -> Iterator[Check]:
-    """Check decay of the first bending mode of a damped cantilever."""
+    """Check the decay rate of a damped cantilever's first bending mode."""
     beam = replace(PANEL, damping=1e-3)
     mechanism = cantilever(beam, 6)
     of_beam = coordinates_of(flexible_body(mechanism))
@@ -138,7 +138,7 @@ def material_damping() -> Iterator[Check]:
     squares, shapes = eigh(*projected, subset_by_index=[0, 0])
     shape, omega = free @ shapes[:, 0], math.sqrt(float(squares[0]))
     simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))
-    # Small: the squares of rotations stay below 1e-6.
+    # The amplitude is small: squared rotations stay below 1e-6.
     simulation.state.v[: len(shape)] = shape * (1e-3 * omega / np.abs(shape).max())
     simulation.state.clock["acceleration_current"] = 0
     rate, cycles = 0.5 * beam.damping * omega**2, 8
@@ -146,7 +146,7 @@ def material_damping() -> Iterator[Check]:
     start = float(simulation.stored_energies()[[KINETIC, ELASTIC]].sum())
     simulation.advance(duration)
     left = float(simulation.stored_energies()[[KINETIC, ELASTIC]].sum())
-    # Relative; the integrator's damping is some (omega h)^3 / (damping omega).
+    # The integrator's own damping is some (omega h)^3 / (damping omega) of the decay rate.
     obtained = -0.5 * math.log(left / start) / duration
     quantity = f"decay rate of the first bending mode [1/s], from the energy after {cycles} periods"
     yield Check(quantity, rate, obtained, 1e-3, MODAL_DECAY, relative=True)

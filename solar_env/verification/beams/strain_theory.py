@@ -1,13 +1,12 @@
-"""A flexible beam in motion, in strains instead of positions: the reference for the engine's beam elements.
+"""A flexible beam in motion, described by strains instead of positions: the reference for the engine's beam elements.
 
-The unknowns are the centreline's direction theta(s, t) and stretch 1 + eps(s, t), one polynomial each over the whole
-beam (Legendre's); the place follows by integration, r = base + integral of (1 + eps) exp(i theta) ds with complex
-numbers for points of the plane. Energies E A eps^2 / 2 and E I theta'^2 / 2 are quadratic in the unknowns, Lagrange's
-equations follow without constraints, and the error falls faster than any power of the number of terms. Integrated
-with SciPy's DOP853.
+The unknowns are the centreline's direction theta(s, t) and stretch 1 + eps(s, t), each one Legendre series over the
+whole beam. Positions follow by integration, r = base + integral of (1 + eps) exp(i theta) ds, with complex numbers for
+points of the plane. The energies E A eps^2 / 2 and E I theta'^2 / 2 are quadratic in the unknowns. Lagrange's equations
+follow without constraints, and the error falls faster than any power of the number of terms. SciPy's DOP853 integrates.
 
 This is the strain-based form of the geometrically exact beam (J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986)
-849) without shear: nothing is shared with elements that interpolate positions and slopes.
+849) without shear. It shares nothing with elements that interpolate positions and slopes.
 """
 
 from collections.abc import Callable, Sequence
@@ -46,7 +45,7 @@ class StrainBeam:
         points = turns + stretches + 12
         x, weights = legendre.leggauss(points)
         self.weights = 0.5 * beam.length * weights
-        # Integral from the root to every point of the polynomial that has given values at the points.
+        # Matrix that integrates a polynomial, given by its values at the points, from the root to every point.
         integrals = [legendre.Legendre.basis(k).integ(lbnd=-1) for k in range(points)]
         from_values = np.array([(k + 0.5) * weights * legendre.Legendre.basis(k)(x) for k in range(points)])
         self.integrate = 0.5 * beam.length * np.array([p(x) for p in integrals]).T @ from_values
@@ -59,13 +58,13 @@ class StrainBeam:
         self.axial = beam.axial_stiffness * self.stretch.T @ (self.weights[:, None] * self.stretch)
 
     def tangent(self, time: float, coordinates: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """Return exp(i theta) and (1 + eps) exp(i theta) at the quadrature points."""
+        """Return the centreline's direction exp(i theta) and tangent (1 + eps) exp(i theta) at quadrature points."""
         root = self.root_angle(time)[0] if self.root_angle else 0.0
         way = np.exp(1j * (root + self.direction @ coordinates[: self.turns]))
         return way, (1.0 + self.stretch @ coordinates[self.turns :]) * way
 
     def accelerations(self, time: float, coordinates: Array, rates: Array) -> Array:
-        """Return the second time derivatives of the coordinates."""
+        """Return the second time derivatives of the coordinates from time [s], coordinates and rates."""
         beam, n = self.beam, self.turns
         way, tangent = self.tangent(time, coordinates)
         spin, spin_change = self.root_angle(time)[1:] if self.root_angle else (0.0, 0.0)
@@ -81,7 +80,7 @@ class StrainBeam:
         return np.linalg.solve((weighted.T @ columns).real, force)
 
     def tips(self, times: Sequence[float], rtol: float = 1e-8) -> NDArray[np.complex128]:
-        """Return the places of the tip [m] at times [s], from the straight beam at rest along the x axis."""
+        """Return the tip's positions [m] at times [s] of motion from the straight beam at rest along the x axis."""
         size = self.turns + self.stretches
 
         def slope(time: float, state: Array) -> Array:

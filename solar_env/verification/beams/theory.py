@@ -1,7 +1,7 @@
-"""Slender elastic beams: large static deflections, natural frequencies, steady rotation, loads that begin at an end.
+"""Theory of slender elastic beams: large static deflections, natural frequencies, steady rotation, sudden end loads.
 
-The beam does not shear; its moment is E I times the turn per undeformed length, its axial force E A times the
-stretch. Quantities are of a cantilever along the x axis, clamped at the origin, unless a function says otherwise.
+The beam does not shear. Its moment is E I times the turn per undeformed length, and its axial force is E A times the
+strain. A function describes a cantilever along the x axis, clamped at the origin, unless its docstring says otherwise.
 """
 
 import math
@@ -37,9 +37,9 @@ FALLING_TIPS = {
 
 
 def tip_load_elastica(load: float) -> tuple[float, float, float]:
-    """Return deflection, shortening (of the length 1) and tip angle [rad] under a transverse dead load P L^2 / (E I).
+    """Compute tip deflection and shortening (for length 1) and tip angle [rad] under a transverse load P L^2 / (E I).
 
-    Without extension: K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272.
+    The load is dead, and the beam does not extend: K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272.
     """
     root = math.sqrt(load)
 
@@ -56,7 +56,7 @@ def tip_load_elastica(load: float) -> tuple[float, float, float]:
 
 
 def deflected_tip(beam: Beam, tip_force: complex = 0j, tip_moment: float = 0.0) -> tuple[complex, float]:
-    """Return the tip x + i y [m] and tip angle [rad] of the extensible elastica under dead loads [N, N m]."""
+    """Solve the extensible elastica under dead tip loads [N, N m]; return the tip x + i y [m] and tip angle [rad]."""
 
     def slope(_: Array, state: Array) -> Array:
         angle, turn = state[:2]
@@ -75,13 +75,13 @@ def deflected_tip(beam: Beam, tip_force: complex = 0j, tip_moment: float = 0.0) 
 
 
 def bending_wave_numbers(support: str, count: int) -> Array:
-    """Return the (count,) roots beta L of the characteristic equation, ascending, without the rigid-body zeros.
+    """Return the lowest (count,) roots beta L of the characteristic equation, ascending, without the rigid-body zeros.
 
     S. Timoshenko, Vibration Problems in Engineering, 2nd ed., 1937, section 54.
     """
     shift, characteristic = SUPPORTS[support]
     x = np.asarray((np.arange(1, count + 1) + shift) * math.pi, dtype=float)
-    # Further roots differ from these by less than rounding.
+    # Further roots differ from the asymptotic values by less than rounding.
     x[:12] = [brentq(characteristic, near - 0.5, near + 0.5, xtol=1e-14) for near in x[:12]]
     return x
 
@@ -93,7 +93,7 @@ def bending_frequencies(support: str, beam: Beam, count: int) -> Array:
 
 
 def axial_frequencies(support: str, beam: Beam, count: int) -> Array:
-    """Return the (count,) natural frequencies [Hz] of a bar that is held at no end (free-free) or at one."""
+    """Return the (count,) axial natural frequencies [Hz] of a bar that is free (free-free) or held at one end."""
     speed = math.sqrt(beam.axial_stiffness / beam.linear_density)
     quarters = 2.0 * np.arange(1, count + 1) - (0.0 if support == "free-free" else 1.0)
     return np.asarray(quarters * speed / (4.0 * beam.length))
@@ -102,7 +102,7 @@ def axial_frequencies(support: str, beam: Beam, count: int) -> Array:
 def cubic_element_frequency_error(wave_number: float, element_length: float) -> float:
     """Return the leading relative frequency error of cubic Hermite beam elements with a consistent mass matrix.
 
-    The eigenvalue is too high by (beta h)^4 / 720: G. Strang and G. Fix, An Analysis of the Finite Element
+    The eigenvalue is too high by a fraction (beta h)^4 / 720: G. Strang and G. Fix, An Analysis of the Finite Element
     Method, 1973, section 6.3.
     """
     return (wave_number * element_length) ** 4 / 1440.0
@@ -111,7 +111,7 @@ def cubic_element_frequency_error(wave_number: float, element_length: float) -> 
 def spinning_extension(beam: Beam, rate: float) -> float:
     """Return the extension [m] of a straight beam that turns steadily [rad/s] about one end.
 
-    E A r'' = -rho A rate^2 r with r(0) = 0 and r'(length) = 1.
+    The position r(s) solves E A r'' = -rho A rate^2 r with r(0) = 0 and r'(length) = 1.
     """
     k = rate * math.sqrt(beam.linear_density / beam.axial_stiffness)
     return math.tan(k * beam.length) / k - beam.length
@@ -131,13 +131,13 @@ def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, fl
 
 
 def element_deflection_error(load: float, slenderness: float, elements: int) -> float:
-    """Compute the leading error of the tip deflection w / L of a cantilever of cubic elements under a transverse load.
+    """Compute the leading tip-deflection error, in w / L, of a cantilever of cubic elements under a transverse load.
 
-    The elements minimize the potential over a smaller space. To first order this adds the energy of the parts that they
-    cannot represent, and the derivative of this energy by P is the missing deflection. In an element of length h, r''
-    is linear: of the normal part (kappa'' - kappa^3) s^2 / 2 the share orthogonal to linear functions is missing, with
-    an energy of E I h^4 / 1440 (kappa'' - kappa^3)^2 per length. r' is quadratic and continuous: of the stretch
-    kappa kappa' s^3 / 2 a share that vanishes at the nodes is left, E A h^6 / 6720 (kappa kappa')^2: membrane locking.
+    The elements minimize the potential over a smaller space. To first order this adds the energy of the fields that
+    they cannot represent, and the derivative of this energy by P is the missing deflection. In an element of length h,
+    r'' is linear: the normal component (kappa'' - kappa^3) s^2 / 2 loses its part orthogonal to linear functions, with
+    an energy of E I h^4 / 1440 (kappa'' - kappa^3)^2 per length. r' is quadratic and continuous: the stretch kappa
+    kappa' s^3 / 2 leaves a part that vanishes at the nodes, with E A h^6 / 6720 (kappa kappa')^2: membrane locking.
 
     Args:
         load: P L^2 / (E I).
@@ -162,10 +162,10 @@ def element_deflection_error(load: float, slenderness: float, elements: int) -> 
 
 @dataclass(frozen=True)
 class FineBeam:
-    """A free beam by thousands of modes, each a function of time in closed form.
+    """A free beam as thousands of bending modes, whose motion has a closed form.
 
     Attributes:
-        beam: data of the beam, which does not stretch.
+        beam: data of the beam, whose stretch is neglected.
         modes: number of bending modes.
     """
 
@@ -174,12 +174,12 @@ class FineBeam:
 
     @property
     def frequencies(self) -> Array:
-        """(modes,) natural frequencies of bending [rad/s]."""
+        """Natural angular frequencies (modes,) of bending [rad/s]."""
         return 2.0 * math.pi * bending_frequencies("free-free", self.beam, self.modes)
 
     @property
     def first_end(self) -> Array:
-        """(2, modes) deflection and slope of the first end by the unit amplitude of mass-normalised modes."""
+        """Deflection and slope (2, modes) of the first end per unit amplitude of the mass-normalised modes."""
         x = bending_wave_numbers("free-free", self.modes)
         low = x[:12]
         sigma = np.ones(self.modes)
@@ -188,20 +188,20 @@ class FineBeam:
 
     @property
     def flexibility(self) -> Array:
-        """(2, 2) deflection and slope of the first end by a unit force and moment there, in the mean-axis frame.
+        """Deflection and slope (2, 2) of the first end under a unit end force and end moment, in the mean-axis frame.
 
-        E I w'''' = p, where the inertia of the rigid beam holds the loads.
+        They follow from E I w'''' = p, where inertia forces of the rigid beam balance the loads.
         """
         scale = np.array([self.beam.length, 1.0])
         unit = np.array([[1.0 / 105.0, -11.0 / 210.0], [-11.0 / 210.0, 13.0 / 35.0]])
         return unit * np.outer(scale, scale) * self.beam.length / self.beam.bending_stiffness
 
     def step_response(self, load: int, time: float) -> Array:
-        """Return deflection and slope of the first end a time [s] after a unit force (0) or moment (1) began there."""
+        """Return deflection and slope of the first end at a time [s] after a unit end force (0) or moment (1) began."""
         omega, ends = self.frequencies, self.first_end
         decay = 0.5 * self.beam.damping * omega**2
         root = np.sqrt((omega**2 - decay**2).astype(complex))
-        # Sum and difference of exponentials do not overflow where the mode does not oscillate.
+        # Sum and difference of exponentials do not overflow if the mode is overdamped.
         plus, minus = np.exp((-decay + 1j * root) * time), np.exp((-decay - 1j * root) * time)
         ringing = (0.5 * (plus + minus) + decay * (plus - minus) / (2j * root)).real / omega**2
         arm = np.array([-0.5 * self.beam.length, 1.0])
@@ -210,5 +210,5 @@ class FineBeam:
         return rigid * 0.5 * time**2 + self.flexibility[:, load] - ends @ (ends[load] * ringing)
 
     def left_out(self, kept: int) -> Array:
-        """Return the (2,) flexibility of the first end to a force and moment there, of modes after the first `kept`."""
+        """Return the (2,) flexibilities of the first end, to end force and end moment, of all modes beyond `kept`."""
         return np.sum((self.first_end[:, kept:] / self.frequencies[kept:]) ** 2, axis=1)

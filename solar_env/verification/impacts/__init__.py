@@ -1,4 +1,4 @@
-"""Cases of single contacts: impact, sliding, wear, and the stops of joints, against closed forms.
+"""Cases of single contacts against closed forms: impact, sliding, wear, and the stops of joints.
 
-Imports no other subject of the verification. A new case is a generator of `Check` and a row of `CASES`.
+They import no other subject of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
 """

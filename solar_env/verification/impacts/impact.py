@@ -1,8 +1,8 @@
 """Cases of a single contact: a block that strikes the wall of its gap, against the separated equation of motion.
 
-m depth'' = -K depth^n (1 + d depth' / v), from depth 0 at the speed v. With u = depth' / v it separates into
-u du / (1 + d u) = -K depth^n d(depth) / (m v^2), which integrates to (u - ln(1 + d u) / d) / d on the left and a power
-of the depth on the right.
+The equation is m depth'' = -K depth^n (1 + d depth' / v), from depth 0 at the speed v. With u = depth' / v it separates
+into u du / (1 + d u) = -K depth^n d(depth) / (m v^2). This integrates to (u - ln(1 + d u) / d) / d on the left and a
+power of the depth on the right.
 """
 
 import math
@@ -23,10 +23,10 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.checks import MOMENTUM, Check, compare
 
 MASS, CLEARANCE = 6.0, 2e-4  # kg, m
-# Spheres; a steel journal in a brass bearing.
+# Undamped Hertzian contact, and surfaces of a steel journal in a brass bearing.
 UNDAMPED = PowerLaw(7.39e10)
 SURFACES = Surfaces(0.0102, 0.0100, 1.0, 105e9, 0.34, 207e9, 0.3, bracket_stiffness=1e9)
-# At lower speeds the constraint forces of a free block are rounding, of which generalized-alpha warns.
+# Impact speeds. Generalized-alpha warns at lower speeds, where a free block's constraint forces are rounding errors.
 SPEEDS = {
     "runge-kutta": (1e-4, 1e-3, 1e-2, 0.1, 1.0),
     "generalized-alpha": (0.1, 1.0),
@@ -34,7 +34,7 @@ SPEEDS = {
 }  # m/s
 COEFFICIENTS = (0.1, 0.2, 0.4, 0.5, 0.7, 0.8, 0.9, 1.0)
 RESOLVING: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha())
-# Tolerances for one impact, three to seven times the greatest errors found: of exit speeds, and of other figures.
+# Relative tolerances of exit speeds and of other results, three to seven times the greatest errors found.
 EXIT_SPEED_ERROR = {"runge-kutta": 2.5e-4, "generalized-alpha": 0.005, "modal-radau": 0.02}
 IMPACT_ERROR = {"runge-kutta": 2e-5, "generalized-alpha": 2e-4}
 SEPARABLE = "exact: separable equation of motion"
@@ -42,7 +42,7 @@ HERTZ = "H. Hertz, 1881; K. L. Johnson, Contact Mechanics, 1985, section 11.4"
 
 
 def restitution(d: float) -> float:
-    """Return the ratio e of exit to entry speed: d (1 + e) = ln[(1 + d) / (1 - d e)]; independent of m, v, K and n."""
+    """Solve d (1 + e) = ln[(1 + d) / (1 - d e)] for the ratio e of exit to entry speed, for any m, v, K and n."""
     if d == 0.0:
         return 1.0
 
@@ -53,7 +53,7 @@ def restitution(d: float) -> float:
 
 
 def greatest_depth(contact: PowerLaw, speed: float) -> float:
-    """Return the depth at which the approach ends [m]; Hertz's (5 m v^2 / (4 K))^0.4 for n = 1.5 and d = 0."""
+    """Return the greatest depth [m] of an impact, which is Hertz's (5 m v^2 / (4 K))^0.4 for n = 1.5 and d = 0."""
     d, power = contact.damping, contact.exponent + 1.0
     bracket = (d - math.log1p(d)) / d**2 if d else 0.5
     return float((power * MASS * speed**2 / contact.stiffness * bracket) ** (1.0 / power))
@@ -62,8 +62,8 @@ def greatest_depth(contact: PowerLaw, speed: float) -> float:
 def undamped_duration(contact: PowerLaw, speed: float) -> float:
     """Return the duration [s] of an undamped impact: depth / speed times 2 B(1 / (n + 1), 1/2) / (n + 1).
 
-    It is twice the integral of d(depth) / rate, by the beta function B; 2.94328 depth / speed for n = 1.5
-    (K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, section 11.4).
+    The duration is twice the integral of d(depth) / rate, with the beta function B. It is 2.94328 depth / speed for
+    n = 1.5 (K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, section 11.4).
     """
     power = contact.exponent + 1.0
     depth = greatest_depth(replace(contact, damping=0.0), speed)
@@ -71,7 +71,7 @@ def undamped_duration(contact: PowerLaw, speed: float) -> float:
 
 
 def _resolving(integrator: Integrator, duration: float, steps: int = 100) -> Integrator:
-    """Return the integrator, with fixed steps adjusted to `steps` of them in an impact of a duration [s]."""
+    """Return the integrator, with a fixed step, if it has one, equal to `duration` [s] divided by `steps`."""
     return replace(integrator, step=duration / steps) if isinstance(integrator, GeneralizedAlpha) else integrator
 
 
@@ -80,7 +80,7 @@ def _bearing(contact: PowerLaw) -> Bearing:
 
 
 def _speed_ratio(contact: PowerLaw, speed: float, integrator: Integrator) -> float:
-    """Return the ratio of exit to entry speed of one bounce off the wall."""
+    """Simulate one bounce off the wall; return the ratio of exit to entry speed."""
     duration = undamped_duration(contact, speed)
     simulation = Simulation(bouncing_block(_bearing(contact), MASS, speed), _resolving(integrator, duration, 40))
     simulation.advance(CLEARANCE / speed + 0.5 * duration)
@@ -90,11 +90,11 @@ def _speed_ratio(contact: PowerLaw, speed: float, integrator: Integrator) -> flo
 
 
 def restitution_curve() -> Iterator[Check]:
-    """Check the ratio of exit to entry speed for every law, at default tolerance, for the worst of several speeds."""
+    """Check the exit-to-entry speed ratio of every contact law, at default tolerance, for the worst of some speeds."""
     for integrator in (*RESOLVING, ModalRadau()):
         for law, coefficient in product(CONTACT_LAWS, COEFFICIENTS):
             contact = contact_law(law, SURFACES, coefficient)
-            # That law claims to give the restitution that it is asked for.
+            # The contact law `restitution` promises the restitution that it is given.
             exact = coefficient if law == "restitution" else restitution(contact.damping)
             ratios = np.array([_speed_ratio(contact, speed, integrator) for speed in SPEEDS[integrator.name]])
             obtained = ratios[np.argmax(np.abs(ratios - exact))]
@@ -103,7 +103,7 @@ def restitution_curve() -> Iterator[Check]:
 
 
 def _one_impact(contact: PowerLaw, speed: float, integrator: Integrator) -> Trajectory:
-    """Return the motion from the middle of the gap until well before the far wall, sampled 2000 times an impact."""
+    """Simulate from the middle of the gap until well before the far wall, sampled 2000 times per impact duration."""
     duration = undamped_duration(contact, speed)
     mechanism = bouncing_block(_bearing(contact), MASS, speed)
     end = CLEARANCE / speed + 2.0 * duration
@@ -111,7 +111,7 @@ def _one_impact(contact: PowerLaw, speed: float, integrator: Integrator) -> Traj
 
 
 def single_impact() -> Iterator[Check]:
-    """Check a Hertzian impact, the depth of a damped one, and a damped one against a housing that floats freely."""
+    """Check a Hertzian impact, the depth of a damped impact, and a damped impact on a freely floating housing."""
     speed, housing = 0.1, 2.0 * MASS
     damped = replace(UNDAMPED, damping=lankarani_damping(0.5))
     for integrator in RESOLVING:

@@ -37,7 +37,7 @@ def _bearing() -> Bearing:
 
 
 def friction_creep() -> Iterator[Check]:
-    """Check that a journal, under a torque below the friction limit, creeps at the speed where friction balances it."""
+    """Check the creep speed of a journal under a torque below the friction limit, which friction balances."""
     integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=1e-4))
     for integrator in integrators:
         for share in (0.3, 0.9):
@@ -59,19 +59,19 @@ def friction_creep() -> Iterator[Check]:
 
 
 def archard_wear() -> Iterator[Check]:
-    """Check wear of a journal that turns at a constant rate: volumes, and the depth along the arc of contact."""
+    """Check wear of a journal that turns at a constant rate: worn volumes, and greatest depth in the contact arc."""
     rate, turns = 20.0, 2  # rad/s, -
     duration = turns * 2.0 * math.pi / rate
     mechanism = loaded_journal(_bearing(), LOAD, math.atan(FRICTION), rate, wear_bins=BINS)
     motion = simulate(mechanism, duration, integrator=RungeKutta(rtol=1e-8))
-    # Steady sliding, beyond the ramp: T = cf N.
+    # Steady sliding is faster than the friction ramp: T = cf N.
     normal = LOAD / math.hypot(1.0, FRICTION)
     volume = WEAR * normal * RADIUS * rate * duration
     bin_arc = 2.0 * math.pi / BINS
     bearing_radius = RADIUS + CLEARANCE
     depth = (normal / STIFFNESS) ** (2.0 / 3.0)
     half_arc = math.acos(CLEARANCE / (CLEARANCE + depth))
-    # The arc of contact stays in its place on the bearing: the bin which it covers most wears deepest.
+    # The contact arc does not move on the bearing: the bin of which it covers the largest part wears deepest.
     low = 1.5 * math.pi - math.atan(FRICTION) - half_arc
     high = low + 2.0 * half_arc
     edges = np.arange(BINS + 1) * bin_arc

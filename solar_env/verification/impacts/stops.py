@@ -20,7 +20,7 @@ LOCK, GAP = 0.5, 0.01  # rad
 
 
 def slack_cable() -> Iterator[Check]:
-    """Check a deployment in which a strand of the cable loop slackens: the torque of two strands, and energy."""
+    """Check cable torque and energy of a deployment in which one of the cable loop's two strands slackens."""
     parameters = ArrayParameters(cable_preload_force=0.2)
     motion = simulate(build(parameters, "rigid-ideal"), 10.0, integrator=RungeKutta(rtol=1e-8))
     preload = parameters.cable_preload_force * parameters.cable_wheel_radius
@@ -36,7 +36,7 @@ def slack_cable() -> Iterator[Check]:
 
 
 def stop_torque(stop: Stop, angle: float, rate: float) -> float:
-    """Return the stop torque [N m] of a latched joint: ADAMS' BISTOP about the lock angle with STEP-ramped damping."""
+    """Return a latched joint's stop torque [N m]: ADAMS' BISTOP about the lock angle, with damping ramped by STEP."""
     beyond = angle - LOCK
     depth, closing = abs(beyond) - stop.gap, rate * math.copysign(1.0, beyond)
     if depth <= 0.0:
@@ -47,25 +47,25 @@ def stop_torque(stop: Stop, angle: float, rate: float) -> float:
 
 
 def _latched_swing(stop: Stop, rate: float, duration: float) -> tuple[float, float]:
-    """Return the angle [rad] and rate [rad/s] of the link a duration [s] after latching, by SciPy."""
+    """Integrate by SciPy from latching at a rate [rad/s]; return link angle [rad] and rate after a duration [s]."""
 
     def slope(_: float, motion: Sequence[float]) -> tuple[float, float]:
         return motion[1], stop_torque(stop, motion[0], motion[1]) / INERTIA
 
-    # Steps that do not miss the ramp of the damping.
+    # The step limit resolves the ramp of the damping.
     solution = solve_ivp(slope, (0.0, duration), (LOCK, rate), method="DOP853", rtol=1e-11, atol=1e-12, max_step=1e-3)
     return float(solution.y[0, -1]), float(solution.y[1, -1])
 
 
 def _swinging_link(stop: Stop, rate: float) -> Mechanism:
-    """Return a link that turns about a fixed hinge towards its latch, or its stow stop if the rate is negative."""
+    """Make a link that turns about a fixed hinge towards its latch, or towards its stow stop at a negative rate."""
     link = Link(1.5, 6.0, INERTIA - 6.0 * 0.75**2)
     joint = Joint("hinge", GROUND, "link", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=LOCK, stow_angle=0.0)
     return Mechanism((link.body("link", 0j, 0.0, 0j, rate),), (joint,))
 
 
 def swings_into_stops() -> Iterator[Check]:
-    """Check a link that runs into its latch and stow stop without damping, and swings to and fro in a damped latch."""
+    """Check a link that runs into an undamped latch and stow stop, and a link that oscillates in a damped latch."""
     rate, duration = 0.3, 0.5
     energy = 0.5 * INERTIA * rate**2
     latch = Stop(GAP, stiffness=1e3, exponent=1.0, ramp_depth=1e-3, damping=10.0)
@@ -74,7 +74,7 @@ def swings_into_stops() -> Iterator[Check]:
         for exponent in (1.0, 1.5):
             stop = Stop(GAP, stiffness=1e3, exponent=exponent, ramp_depth=1e-3, damping=0.0)
             depth = (energy * (exponent + 1.0) / stop.stiffness) ** (1.0 / (exponent + 1.0))
-            # Until the link has come to rest in the stop.
+            # Each run lasts until the link has come to rest in the stop, and a little longer.
             for name, start_rate, end in (("latch", rate, LOCK / rate + 0.3), ("stow stop", -rate, 0.3)):
                 motion = simulate(_swinging_link(stop, start_rate), end, integrator=integrator, output_step=1e-4)
                 beyond = motion.angles - LOCK if start_rate > 0.0 else -motion.angles

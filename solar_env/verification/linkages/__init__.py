@@ -1,4 +1,4 @@
-"""Cases of the pendulum and of the four-bar linkage.
+"""Cases of the pendulum, of the four-bar linkage and of a single hinge.
 
-Imports no other subject of the verification. A new case is a generator of `Check` and a row of `CASES`.
+They import no other subject of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
 """

@@ -1,9 +1,9 @@
 """Cases of the four-bar linkage with a prescribed crank: ideal pins over a turn, and one pin with play.
 
 The theory is closed-form kinematics and Newton-Euler inverse dynamics. Complex numbers stand for vectors of the plane.
-Differentiating the closed loop once and twice gives the rates of the driven links; moments about two pins give the
-force in the last moving pin, and balances of forces the other ones (J. J. Uicker, G. R. Pennock and J. E. Shigley,
-Theory of Machines and Mechanisms, Oxford University Press).
+Differentiating the closed loop once and twice gives rates and accelerations of the driven links. Moments about two pins
+give the force in the last moving pin, and force balances give the other pin forces (J. J. Uicker, G. R. Pennock and
+J. E. Shigley, Theory of Machines and Mechanisms, Oxford University Press).
 """
 
 import cmath
@@ -26,7 +26,7 @@ from solar_env.verification.checks import Check
 FOUR_BAR = (Link.slender(0.10, 0.10), Link(0.35, 0.5, 0.004), Link.slender(0.25, 0.25), 0.40, 2.0 * math.pi)
 FOUR_BAR_START = 0.5
 RATE = FOUR_BAR[-1]
-SAMPLES = 720  # per turn; an extreme is missed by at most 5e-6 of its value
+SAMPLES = 720  # samples per turn, which miss an extreme by at most 5e-6 of its value
 NEWTON_EULER = "closed-form kinematics and Newton-Euler inverse dynamics"
 GEOMETRY = "play moves a pin by no more than clearance and penetration; closed-form kinematics"
 BOOKS = "conservation of energy"
@@ -34,15 +34,15 @@ BOOKS = "conservation of energy"
 
 @dataclass(frozen=True)
 class LinkageState:
-    """Motion and forces at one crank angle.
+    """Motion and forces of the linkage at one crank angle.
 
     Attributes:
         output: rocker's angle [rad].
-        output_rate: [rad/s].
-        output_acceleration: [rad/s2].
+        output_rate: rocker's rate [rad/s].
+        output_acceleration: rocker's angular acceleration [rad/s2].
         crank_moment: moment that keeps the crank turning uniformly [N m].
         pin_forces: forces by pin, in the mechanism's order, each on its outboard body [N].
-        play_gain: greatest change of the angle per displacement of a journal in any one pin, to first order [rad/m].
+        play_gain: greatest change of the rocker's angle per journal displacement in any one pin, first order [rad/m].
     """
 
     output: float
@@ -58,16 +58,16 @@ def _moment(arm: complex, force: complex) -> float:
 
 
 def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: float) -> float:
-    """Return the moment of a link's inertia force and couple about a point; `arm` leads from it to the centroid."""
+    """Return the moment of a link's inertia force and couple about a point, from which `arm` leads to the centroid."""
     return link.inertia * spin_rate + _moment(arm, link.mass * acceleration)
 
 
 def four_bar_state(
     crank: Link, coupler: Link, rocker: Link, ground_length: float, rate: float, angle: float, gravity: float
 ) -> LinkageState:
-    """Solve the open four-bar linkage at a crank angle [rad] and a uniform rate [rad/s]; gravity towards -y."""
+    """Solve the open four-bar linkage at a crank angle [rad] and uniform rate [rad/s]; gravity [m/s2] is along -y."""
     pin = cmath.rect(crank.length, angle)
-    # Freudenstein: the rocker's angle from the triangle over the diagonal between its ground pin and the crank pin.
+    # Freudenstein: the triangle on the diagonal from the rocker's ground pin to the crank pin gives the rocker's angle.
     diagonal = pin - ground_length
     cosine = (rocker.length**2 + abs(diagonal) ** 2 - coupler.length**2) / (2.0 * rocker.length * abs(diagonal))
     rocker_arm = cmath.rect(rocker.length, cmath.phase(diagonal) - math.acos(cosine))
@@ -84,12 +84,12 @@ def four_bar_state(
     coupler_spin_rate, rocker_spin_rate = close(
         pin_acceleration - coupler_spin**2 * coupler_arm + rocker_spin**2 * rocker_arm
     )
-    # Accelerations less gravity: weights count as inertia forces.
+    # Accelerations minus gravity: weights count as inertia forces.
     up = 1j * gravity
     crank_effective = pin_acceleration / 2.0 + up
     coupler_effective = pin_acceleration + (1j * coupler_spin_rate - coupler_spin**2) * coupler_arm / 2.0 + up
     rocker_effective = (1j * rocker_spin_rate - rocker_spin**2) * rocker_arm / 2.0 + up
-    # Force F on the rocker at its moving pin: moments on the coupler about the crank pin, on the rocker about its own.
+    # Moments on the coupler about the crank pin, and on the rocker about its ground pin, give the rocker's pin force.
     moments = [
         -_inertia_moment(coupler, coupler_arm / 2.0, coupler_effective, coupler_spin_rate),
         _inertia_moment(rocker, rocker_arm / 2.0, rocker_effective, rocker_spin_rate),
@@ -105,21 +105,21 @@ def four_bar_state(
         output_acceleration=rocker_spin_rate,
         crank_moment=_moment(pin / 2.0, crank.mass * crank_effective) + _moment(pin, coupler_force),
         pin_forces=(crank_force, coupler_force, rocker_force, ground_rocker_force),
-        # Play along the coupler turns the rocker by its share across it: 1 / sin(transmission angle).
+        # Play along the coupler turns the rocker by play / (rocker length * sin(transmission angle)).
         play_gain=coupler.length / abs(_moment(coupler_arm, rocker_arm)),
     )
 
 
 def rocker_state(turned: float) -> LinkageState:
-    """Return the state of the ideal linkage when its crank has turned by an angle [rad]."""
+    """Return motion and forces of the ideal linkage when its crank has turned by an angle [rad]."""
     return four_bar_state(*FOUR_BAR, FOUR_BAR_START + turned, STANDARD_GRAVITY)
 
 
 def _figures(simulation: Simulation) -> dict[str, Any]:
-    """Return the motion of the rocker, crank moment and pin forces now, by name."""
+    """Return the present motion of the rocker, crank moment and pin forces of a simulation, by name."""
     state, model = simulation.state, simulation.model
     q, v, a = (complex(x[10] - x[8], x[11] - x[9]) for x in state[:3])
-    # The drive's constraint is the component across the prescribed direction, of a vector of the crank's length.
+    # The drive constrains the component, across the prescribed direction, of a vector of the crank's length.
     moment = -float(state.multipliers[model.drives[0]["row"]] * FOUR_BAR[0].length)
     return {
         "rocker angle": cmath.phase(q),
@@ -131,9 +131,9 @@ def _figures(simulation: Simulation) -> dict[str, Any]:
 
 
 def four_bar_cycle() -> Iterator[Check]:
-    """Check a crank-rocker under gravity with ideal pins over one turn, after half a turn."""
+    """Check a crank-rocker under gravity with ideal pins over one turn, which begins after half a turn."""
     step = 2.0 * math.pi / RATE / (8 * SAMPLES)
-    # Tolerances: the local one, and ten times (rate * step)^2.
+    # Tolerances: the local tolerance, and ten times (rate * step)^2.
     choices: tuple[tuple[Integrator, float], ...] = (
         (RungeKutta(rtol=1e-9), 1e-9),
         (GeneralizedAlpha(step=step), 10.0 * (RATE * step) ** 2),
@@ -162,7 +162,7 @@ def four_bar_cycle() -> Iterator[Check]:
 def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
     """Return the greatest error of the crank's work in a twentieth of the last turn, relative to the greatest work.
 
-    Work is compared, since forces ring on in a contact that is hardly damped.
+    Work is compared, because forces keep ringing in a contact that is hardly damped.
     """
     power = RATE * np.array([state.crank_moment for state in ideal])
     exact = cumulative_simpson(power, x=motion.time, initial=0.0)
@@ -172,7 +172,7 @@ def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
 
 
 def four_bar_clearance() -> Iterator[Check]:
-    """Check a crank-rocker under gravity, each pin in turn with play; the weights keep every pin in contact."""
+    """Check a crank-rocker under gravity with play in one pin at a time; weights keep every pin in contact."""
     turn = 2.0 * math.pi / RATE
     for joint, pin in enumerate(FOUR_BAR_PINS):
         for clearance in (1e-4, 1e-5):
@@ -183,13 +183,13 @@ def four_bar_clearance() -> Iterator[Check]:
             angle = np.arctan2(q[:, 11] - q[:, 9], q[:, 10] - q[:, 8])
             reach = clearance + np.maximum(motion.penetration[:, joint], 0.0).max()
             allowed = reach * np.array([state.play_gain for state in ideal])
-            # The allowance is of first order in the play.
+            # The allowed deviation is of first order in the play.
             excess = float((np.abs(angle - [state.output for state in ideal]) / allowed).max()) - 1.0
             label = f"pin {pin}, c = {1e3 * clearance:g} mm"
             quantity = f"{label}: excess of the rocker's deviation over what the play allows, relative"
             yield Check(quantity, 0.0, max(excess, 0.0), 0.01, GEOMETRY)
             residual = motion.energy_residual / float(np.abs(motion.energies["external_work"]).max())
             yield Check(f"{label}: energy residual over the crank's greatest work", 0.0, residual, 1e-5, BOOKS)
-        # The play is 1e-4 of the crank; the journal keeps swinging in it, for without friction nothing stops it.
+        # The play is 1e-4 of the crank; without friction, nothing stops the journal from swinging in the play.
         quantity = f"{label}: crank's work in twentieths of a turn"
         yield Check(quantity, 0.0, _work_error(motion, ideal), 0.02, NEWTON_EULER)

@@ -20,7 +20,7 @@ _PARAMETER = 0.5  # sin^2 of half the amplitude, which is a right angle
 
 
 def exact_period() -> float:
-    """Return the period [s]."""
+    """Return the pendulum's exact period [s], by the complete elliptic integral."""
     return 4.0 * float(ellipk(_PARAMETER)) / math.sqrt(STANDARD_GRAVITY)
 
 
@@ -44,12 +44,12 @@ def _bob(simulation: Simulation) -> tuple[float, float]:
 
 
 def _tension(simulation: Simulation) -> float:
-    # Multipliers of the lengths, by body, follow the pins' multipliers; times the length, 1 m, this is the tension.
+    # Length multipliers of the bodies follow the pins' multipliers; times the length, 1 m, this one is the tension.
     return float(simulation.state.multipliers[simulation.model.constraints.target.size])
 
 
 def _period(integrator: Integrator, exact: float) -> float:
-    """Return the period [s] from the fifth passage through a quarter period, which lies at the bottom."""
+    """Return the simulated period [s], from the bottom passage after five quarters of the exact period."""
     simulation = _run(integrator, 1.25 * exact)
     x, y = _bob(simulation)
     speed = float(np.hypot(*simulation.state.v[2:4]))
@@ -57,9 +57,9 @@ def _period(integrator: Integrator, exact: float) -> float:
 
 
 def pendulum_motion() -> Iterator[Check]:
-    """Check period, positions, tension and energy."""
+    """Check period, positions, tension and energy of the simulated pendulum."""
     period = exact_period()
-    # The local tolerance, and (omega h)^2 = 1e-7 of the second-order method.
+    # Tolerances allow for the local tolerance, and for (omega h)^2 = 1e-7 of the second-order method.
     for integrator, tolerance in ((RungeKutta(rtol=1e-10), 1e-8), (GeneralizedAlpha(step=1e-4), 1e-6)):
         figures = [("period [s]", period, _period(integrator, period))]
         for time in (1.0, 2.0):
@@ -74,7 +74,7 @@ def pendulum_motion() -> Iterator[Check]:
 
 
 def _errors(step: float, rho_inf: float) -> tuple[float, float]:
-    """Return the errors of position [m] and of tension [N] after 1 s of fixed steps."""
+    """Return the errors of position [m] and tension [N] after 1 s of generalized-alpha in fixed steps [s]."""
     simulation = _run(GeneralizedAlpha(step=step, rho_inf=rho_inf), 1.0)
     x, y, tension = exact_pendulum(1.0)
     bob = _bob(simulation)
@@ -82,7 +82,7 @@ def _errors(step: float, rho_inf: float) -> tuple[float, float]:
 
 
 def generalized_alpha_order() -> Iterator[Check]:
-    """Check order of generalized-alpha in coordinates and in multipliers, from halving the step."""
+    """Check the order of generalized-alpha in coordinates and in multipliers, by halving the step."""
     for rho_inf in (0.0, 0.8, 1.0):
         coarse, fine = (np.array(_errors(step, rho_inf)) for step in (4e-3, 2e-3))
         figures = zip(("coordinates", "multipliers"), (2.0, 2.0), np.log2(coarse / fine), strict=True)

@@ -1,5 +1,5 @@
-"""Cases of modal panels: their modes, responses, impacts, large motions, and the method that moves them.
+"""Cases of modal panels: step responses, deflections, impacts and large motions, and the method that integrates panels.
 
-May use the theory of `beams`; other subjects do not import this one. A new case is a generator of `Check` and a row of
-`CASES`.
+These cases may use the theory in `beams`; no other subject imports them.
+A new case is a generator of `Check`, added to `suite.CASES`.
 """

@@ -1,7 +1,7 @@
-"""Mechanisms of one modal panel under loads of all sorts, and running them.
+"""Mechanisms of one modal panel under end loads, and their simulations.
 
-Mechanisms of modal panels take no dead loads. A force comes from a contact so deep and soft that it does not feel the
-panel's motion; a moment is the motor torque of a joint so loose that its surfaces never meet.
+Mechanisms of modal panels take no dead loads. A force comes instead from a contact so deep and soft that the panel's
+motion hardly changes the force. A moment is the motor torque of a joint whose surfaces are too far apart to meet.
 """
 
 from solar_env.mechanics.arrays import columns
@@ -15,7 +15,7 @@ _FAR = 1e6  # m
 
 
 def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 20_000_000) -> Simulation:
-    """Return the mechanism in its initial state, to be run by the method for modal panels."""
+    """Start a simulation of a mechanism by the method for modal panels, modal-radau."""
     return Simulation(mechanism, ModalRadau(rtol=rtol, max_steps=max_steps))
 
 
@@ -26,7 +26,7 @@ def modal(beam: Beam, modes: int = 24, **placed: float | Point) -> ModalPanel:
 
 
 def dead_force(end: Point, force: complex) -> Joint:
-    """Return a joint as force [N], x + i y, on the end (0, 0) or (length, 0) of a beam that lies along the x axis."""
+    """Return a joint that exerts a force [N], x + i y, on the end (0, 0) or (length, 0) of a beam on the x axis."""
     size = abs(force)
     place = complex(*end) + force / size * _FAR
     bearing = Bearing(0.5 * _FAR, _FAR, PowerLaw(2.0 * size / _FAR, exponent=1.0))
@@ -34,16 +34,16 @@ def dead_force(end: Point, force: complex) -> Joint:
 
 
 def loose(end: Point) -> Joint:
-    """Return a joint whose motor torque is a moment on an end of a beam that lies along the x axis."""
+    """Return a joint, with surfaces too far apart to meet, whose motor loads a beam's end on the x axis by a moment."""
     return Joint(f"moment at {end[0]:g}", GROUND, BEAM, end, end, bearing=Bearing(_FAR, _FAR, PowerLaw(1.0)))
 
 
 def clamp(stiffness: float) -> Joint:
-    """Return a joint that holds the first end at the origin, and its direction by a spring [N m/rad]."""
+    """Return a joint that pins a beam's first end to the origin, and holds its direction by a spring [N m/rad]."""
     return Joint("clamp", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0), spring=Spring(stiffness, 0.0))
 
 
 def moved(simulation: Simulation, joint: int) -> tuple[complex, float]:
-    """Return the displacement x + i y [m] of an end and the turn of its tangent [rad], read at its `loose` joint."""
+    """Return an end's displacement x + i y [m] and the turn of its tangent [rad], read at the end's `loose` joint."""
     row = simulation.joint_loads()[joint]
     return complex(row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y]), float(row[columns.ANGLE])

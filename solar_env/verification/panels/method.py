@@ -1,4 +1,4 @@
-"""Cases of the method that moves modal panels: its order, and what it conserves."""
+"""Cases of modal-radau, the method for modal panels: orders of convergence, conservation of momenta and energy."""
 
 import math
 from collections.abc import Iterator
@@ -17,15 +17,15 @@ from solar_env.verification.checks import ENERGY, MOMENTUM, Check
 from solar_env.verification.panels.mechanisms import modal, start
 
 OUTER = "outer"
-# A panel without modes, except pseudo-modes for its flexibility: otherwise the number of modes that a step resolves
-# would change with the step. Vibrations of the start have died after half a second.
+# Panels have no modes except pseudo-modes for their flexibility: otherwise the number of modes that a step resolves
+# would change with the step. Initial vibrations have decayed after half a second.
 MODES = 0
-# With ideal joints foreshortening lowers the order to 1.6 where it is large, hence panels that bend little.
+# Large foreshortening would lower the order with ideal joints to 1.6: these panels bend little.
 DAMPED = replace(PANEL, damping=1e-3, bending_stiffness=30.0 * PANEL.bending_stiffness)
 
 
 def _swing(bearing: Bearing | None) -> Mechanism:
-    """Return two panels in a row that hang from a hinge with a spring, with a spring between them; they start level."""
+    """Make a level chain of two panels under gravity, with a spring at the fixed hinge and one between the panels."""
     first = modal(DAMPED, MODES, position=(0.0, -bearing.clearance if bearing else 0.0))
     second = replace(first, name=OUTER, position=(PANEL.length, first.position[1]))
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0), bearing=bearing, spring=Spring(20.0, 0.5))
@@ -36,7 +36,7 @@ def _swing(bearing: Bearing | None) -> Mechanism:
 def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
     """Return (halvings + 1, 3) errors of motion, spring torques and reactions after 0.256 s in constant steps.
 
-    They are measured from the same method at a small step; all runs start from one smooth state.
+    Errors are differences from the same method at a small step. All runs start from one smooth state.
     """
     coarse, duration, settling = 0.004, 0.256, 0.5
     settled = start(mechanism, rtol=1e-8)
@@ -59,11 +59,11 @@ def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
 
 
 def order() -> Iterator[Check]:
-    """Check order of convergence in motion and loads, of a hinge in lasting contact and of an ideal one.
+    """Check orders of convergence in motion and loads, of a hinge in lasting contact and of an ideal hinge.
 
-    Reactions are the algebraic variables of a system of index two: the method finds them, and loads at the ends of
-    steps, with order three. Motion is of order five, but with ideal joints the foreshortening that reactions follow
-    lowers this order to the reactions' order.
+    Reactions are the algebraic variables of a system of index two: the method finds reactions, and loads at the ends of
+    steps, with order three. Motion has order five. With ideal joints the foreshortening, which reactions follow, lowers
+    the order of motion to the order of the reactions.
     """
     halvings = 3
     source = "three-stage Radau IIA: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996"
@@ -80,11 +80,11 @@ def order() -> Iterator[Check]:
 
 
 def free_chain() -> Iterator[Check]:
-    """Check two panels that fly freely, with a rattling hinge, friction and a spring: momenta, energy."""
+    """Check momenta and energy of two free panels whose common hinge rattles, with friction and a spring."""
     panel = replace(PANEL, damping=1e-5)
     bearing = Bearing(2e-4, 0.01, PowerLaw(7.39e10, damping=0.3), friction_coefficient=0.1)
     first = modal(panel, 12, velocity=(0.3, 0.0), spin=0.4)
-    # Both would move as one body; the spring sets them against each other.
+    # Without the spring both panels would move as one rigid body.
     second = replace(first, name=OUTER, position=(panel.length, 0.0), velocity=(0.3, 0.4 * panel.length))
     hinge = Joint("hinge", BEAM, OUTER, (panel.length, 0.0), (0.0, 0.0), bearing=bearing, spring=Spring(2.0, 1.0))
     for rtol in (1e-2, 1e-3, 1e-4, 1e-5):

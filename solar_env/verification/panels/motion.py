@@ -1,6 +1,6 @@
-"""Cases of a panel that moves far: loaded at an end while it is free or held, spun up and falling about a hinge.
+"""Cases of a panel in large motion: loaded at an end while free or held, spun up about a hinge, falling about a hinge.
 
-A panel that turns is compared with beam elements of the ANCF, which leave out nothing: another formulation, in inertial
+A turning panel is compared with ANCF beam elements, which neglect nothing: another formulation, in inertial
 coordinates, by another method.
 """
 
@@ -29,10 +29,10 @@ SERIES = "4000 exact modes as functions of time, and the static flexibility of t
 RANGE = "range of the second order: squared slope over 4 below 1 %"
 EXTENSIBLE = "extensible elastica, SciPy's solve_bvp"
 LEFT_OUT = "range of the second order: what it leaves out is below 1 %"
-# Retardation time of the array's panels [s].
+# The array's panel, with its retardation time [s].
 DAMPED = replace(PANEL, damping=1e-5)
 ELEMENTS = 16
-# Stability bounds its steps: rtol 1e-6 moves the tip by 1e-12 m.
+# Stability bounds the explicit steps: rtol 1e-6 moves the tip by 1e-12 m.
 ANCF = f"{ELEMENTS} ANCF cable elements by the explicit method at rtol 1e-4"
 
 Motion = NDArray[np.complex128]
@@ -40,7 +40,7 @@ Torque = Callable[[float], float]
 
 
 def step_responses() -> Iterator[Check]:
-    """Check motion of the end under 1 N or 1 N m from t = 0 on."""
+    """Check a free panel's end: its deflection under 1 N, and its slope under 1 N m, from t = 0 on."""
     beam, end = DAMPED, (0.0, 0.0)
     theory = FineBeam(beam)
     for load, (name, quantity) in enumerate((("force", "deflection [m]"), ("moment", "slope [rad]"))):
@@ -52,8 +52,8 @@ def step_responses() -> Iterator[Check]:
                 simulation.advance(time)
                 place, turn = moved(simulation, 0)
                 expected = float(theory.step_response(load, time)[load])
-                # Modes that are left out ring by no more than their flexibility, and so do their pseudo-modes. The
-                # panel turns by up to 1e-3 rad, which the theory ignores; steps have their tolerance.
+                # Omitted modes ring by no more than their flexibility, and so do their pseudo-modes. The theory
+                # ignores that the panel turns by up to 1e-3 rad; steps have their tolerance.
                 omega = theory.frequencies[modes]
                 ringing = 2.0 * theory.left_out(modes)[load] * math.exp(-0.5 * beam.damping * omega**2 * time)
                 tolerance = float(ringing) + 1e-5 * expected
@@ -62,13 +62,13 @@ def step_responses() -> Iterator[Check]:
 
 
 def bent(load: float, moment: float) -> tuple[float, float, float]:
-    """Return a held panel's largest slope in its frame [rad], and relative errors of the tip's deflection and turn.
+    """Bend a held panel; return its largest slope in its frame [rad], and relative errors of tip deflection and turn.
 
     Args:
-        load: P L^2 / (E I), across the undeformed panel.
-        moment: M L / (E I).
+        load: tip load P L^2 / (E I), across the undeformed panel.
+        moment: tip moment M L / (E I).
     """
-    # Damped critically: at rest after some seconds.
+    # Critical damping brings the panel to rest within seconds.
     beam = replace(PANEL, damping=0.2)
     length, stiffness = beam.length, beam.bending_stiffness
     tip, force = (length, 0.0), 1j * load * stiffness / length**2
@@ -78,7 +78,7 @@ def bent(load: float, moment: float) -> tuple[float, float, float]:
     simulation.advance(4.0)
     simulation.check()
     place, turn = moved(simulation, 1)
-    # The clamp gives way a little, which the elastica takes into account.
+    # The clamp turns a little, which the elastica takes into account.
     root = float(simulation.joint_loads()[0, columns.ANGLE])
     way = cmath.exp(1j * root)
     exact, exact_turn = deflected_tip(beam, force / way, moment * stiffness / length)
@@ -87,7 +87,7 @@ def bent(load: float, moment: float) -> tuple[float, float, float]:
 
 
 def large_deflections() -> Iterator[Check]:
-    """Check tip loads and moments that bend a panel by up to 0.5 rad: errors, and the run's warnings of its range."""
+    """Check errors and range warnings of a panel that tip loads and moments bend by up to 0.5 rad."""
     for name, load, moment in (
         *((f"P L^2 / (E I) = {load:g}", load, 0.0) for load in (0.1, 0.2, 0.4, 0.8)),
         *((f"M L / (E I) = {moment:g}", 0.0, moment) for moment in (0.1, 0.5)),
@@ -96,20 +96,20 @@ def large_deflections() -> Iterator[Check]:
             warnings.simplefilter("always", SimulationWarning)
             slope, deflection, turn = bent(load, moment)
         for quantity, error in (("deflection", deflection), ("turn", turn)):
-            # Second order leaves out 0.0512 of the squared slope, however many modes foreshortening takes along.
+            # Second-order theory neglects 0.0512 of the squared slope, with any number of foreshortening modes.
             label = f"{name}: relative error of the tip's {quantity}"
             yield Check(label, 0.0, error, 0.052 * slope**2 + 1e-6, EXTENSIBLE)
         yield Check(f"{name}: 1 if the run warns, at a slope of {slope:.2g} rad", slope > 0.2, len(told), 0.0, RANGE)
 
 
 def _scaled(factor: float, damping: float) -> Beam:
-    """Return the array's panel with its stiffnesses times `factor`, and another damping."""
+    """Return the array's panel with both stiffnesses multiplied by `factor`, and with another damping."""
     stiffness = (factor * PANEL.axial_stiffness, factor * PANEL.bending_stiffness)
     return replace(PANEL, axial_stiffness=stiffness[0], bending_stiffness=stiffness[1], damping=damping)
 
 
 def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> tuple[Motion, bool]:
-    """Return the tip x + i y [m] of a hinged modal panel over time, and whether the run warned of its range."""
+    """Simulate a hinged modal panel; return its tip x + i y [m] over time, and whether the run warned of its range."""
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0))
     mechanism = Mechanism((modal(beam),), (hinge, loose((beam.length, 0.0))), gravity=(0.0, -gravity))
     simulation, found = start(mechanism, rtol=1e-5), np.zeros(times.size, complex)
@@ -125,7 +125,7 @@ def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: T
 
 
 def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Return the tip of the same panel, made of beam elements."""
+    """Simulate the same panel made of beam elements; return its tip x + i y [m] over time."""
     mechanism = flexible_pendulum(beam, ELEMENTS, gravity=gravity)
     simulation, found = Simulation(mechanism, RungeKutta(rtol=1e-4)), np.zeros(times.size, complex)
     for k, time in enumerate(times):
@@ -136,7 +136,7 @@ def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque:
 
 
 def _rigid(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Return the tip of a rigid panel under the same torques, by SciPy."""
+    """Integrate a rigid panel under the same torques by SciPy; return its tip x + i y [m] over time."""
     inertia, weight = beam.mass * beam.length**2 / 3.0, 0.5 * beam.mass * gravity * beam.length
     state, found, now = np.zeros(2), np.zeros(times.size, complex), 0.0
     for k, time in enumerate(times):
@@ -164,9 +164,9 @@ def _turning(
 
 
 def spin_up() -> Iterator[Check]:
-    """Check a hinged panel that a torque spins up: bent, shortened, pulled straight; within its range and outside."""
+    """Check bending, shortening and stiffening of a hinged panel spun up by a torque, within its range and outside."""
     inertia, end = PANEL.mass * PANEL.length**2 / 3.0, 0.6
-    # The slow spin raises the lowest frequency by up to 1e-3, and the phase of its vibration by a few times as much;
+    # The slow spin raises the lowest frequency by up to 1e-3, and its vibration's phase by a few times as much;
     # the fast spin raises the frequency by up to 0.03.
     for rate, error, outside in ((2.0, 1e-2, False), (8.0, 5e-2, True)):
 
@@ -177,8 +177,8 @@ def spin_up() -> Iterator[Check]:
 
 
 def falling_pendulum() -> Iterator[Check]:
-    """Check a panel that falls about a hinge, from level, one ten times as soft, and one that is as good as rigid."""
-    # The spin changes the frequency by up to 5e-3, at 4.4 rad/s, over four periods.
+    """Check panels that fall about a hinge from level: the array's panel, one ten times as soft, one nearly rigid."""
+    # The spin of up to 4.4 rad/s changes the frequency by up to 5e-3, over four periods.
     yield from _turning("falling panel", DAMPED, 0.5, STANDARD_GRAVITY, lambda _: 0.0, 3e-2)
     soft = _scaled(0.1, DAMPED.damping)
     yield from _turning("falling panel ten times as soft", soft, 0.5, STANDARD_GRAVITY, lambda _: 0.0, 0.1, True)

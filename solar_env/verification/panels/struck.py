@@ -1,4 +1,4 @@
-"""Cases of a mass that strikes the end of a free panel: along its axis, and across it.
+"""Cases of a mass that strikes the end of a free panel, along the panel's axis and across it.
 
 The references are the waves of a bar, and thousands of exact modes of a beam.
 """
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 ST_VENANT = "St. Venant's waves, with Hertz's contact"
 EXACT_MODES = "Euler-Bernoulli, 3000 exact modes, Hertz's contact"
 CLEARANCE = 0.01  # m
-# Hertz's stiffness of the array's joints, whose contacts rise to an axial wave's force in 0.07 ms.
+# Hertz's stiffness of the array's joints; a contact force reaches the force of an axial wave in 0.07 ms.
 STIFF = 7.39e10  # N/m^1.5
 
 
@@ -44,13 +44,13 @@ class Impact:
     stiffness: float
 
     def force(self, depth: float) -> float:
-        """Return the contact force at a depth [m], by Hertz [N]."""
+        """Return the Hertzian contact force [N] at a depth [m]."""
         return self.stiffness * max(depth, 0.0) ** 1.5
 
 
 @dataclass(frozen=True)
 class Struck:
-    """Outcome of an impact: time [s] and force [N] through it, and the striker's speed afterwards [m/s]."""
+    """Outcome of an impact: times [s], contact forces [N] at these times, and striker's speed afterwards [m/s]."""
 
     time: Array
     force: Array
@@ -58,11 +58,11 @@ class Struck:
 
 
 def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: float) -> Struck:
-    """Solve the impact on a free bar along its axis, by the bar's waves, which its other end returns as tension.
+    """Solve the impact on a free bar along its axis, by elastic waves that the far end reflects as tension.
 
-    The struck end moves at F(t) / z + 2 sum_n F(t - n T) / z, T = 2 length / wave_speed (J. N. Goodier and
-    S. P. Timoshenko, Theory of Elasticity, 3rd ed., 1970; K. F. Graff, Wave Motion in Elastic Solids, 1975).
-    Without compliance of the contact it is St. Venant's solution, F = z v0 exp(-z t / m) up to T.
+    Under the contact force F the struck end has the speed F(t) / z + 2 sum_n F(t - n T) / z, T = 2 length / wave_speed
+    (J. N. Goodier and S. P. Timoshenko, Theory of Elasticity, 3rd ed., 1970; K. F. Graff, Wave Motion in Elastic
+    Solids, 1975). A rigid contact would give St. Venant's solution, F = z v0 exp(-z t / m) up to T.
 
     Args:
         impact: impact of the mass.
@@ -109,7 +109,7 @@ def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: floa
 
 
 def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> Struck:
-    """Solve the impact on a free beam across its first end, by modes that answer a force linear in time exactly.
+    """Solve the impact on a free beam across its first end, by modes with exact responses to forces linear in time.
 
     The force at the end of every step solves one scalar equation. The error falls with the square of the step.
 
@@ -122,14 +122,14 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
     h = duration / steps
     omega, row = beam.frequencies, beam.first_end[0]
     cosine, sine = np.cos(omega * h), np.sin(omega * h) / omega
-    # Answers of value and rate to loads that fall from 1 to 0, and that rise from 0 to 1.
+    # Modal values and rates after loads that rise from 0 to 1, and that fall from 1 to 0, in a step.
     rise, rise_rate = (h - sine) / (omega**2 * h), (1.0 - cosine) / (omega**2 * h)
     fall, fall_rate = (1.0 - cosine) / omega**2 - rise, sine - rise_rate
-    # Mobility of the striker, and of the end of a beam that does not bend.
+    # Sum of inverse masses: of the striker, and of the end of a beam that does not bend.
     rigid = 1.0 / impact.mass + 4.0 / beam.beam.mass
     gain = h * h / 6.0 * rigid + float(row**2 @ rise)
     y, v = np.zeros(beam.modes), np.zeros(beam.modes)
-    # Place and speed of the striker against that end.
+    # Position and speed of the striker relative to the unbent beam's end.
     approach, closing, impulse = 0.0, impact.speed, 0.0
     forces = np.zeros(steps + 1)
     for n in range(1, steps + 1):
@@ -141,7 +141,7 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
         approach += h * closing - h * h / 3.0 * rigid * force
         depth = approach - float(row @ y)
         if depth > 0.0:
-            # F = K (depth - gain F)^1.5, by the root x of the depth under the force.
+            # Solve F = K (depth - gain F)^1.5 for x, the square root of the depth under the force.
             cubic = gain * impact.stiffness
             x = brentq(lambda x, d=depth, c=cubic: x * x * (1.0 + c * x) - d, 0.0, math.sqrt(depth), xtol=1e-20)
             forces[n] = impact.stiffness * x**3
@@ -154,7 +154,7 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
 
 
 def _strike(impact: Impact, direction: complex, modes: int, duration: float) -> tuple[float, float, float, float]:
-    """Return the peak force [N], impulse [N s], speed of the striker afterwards [m/s], and number of contacts."""
+    """Simulate the impact; return peak force [N], impulse [N s], striker's exit speed [m/s], and contact count."""
     place, velocity = CLEARANCE * direction, impact.speed * direction
     origin, motion = (place.real, place.imag), (velocity.real, velocity.imag)
     striker = Body("striker", impact.mass, 1.0, 1.0, (0.0, 0.0), position=origin, velocity=motion)
@@ -189,18 +189,18 @@ def _checks(
 
 
 def struck_along() -> Iterator[Check]:
-    """Check a bar struck at its end, until the wave that its other end returns as tension parts the two."""
+    """Check a mass that strikes a panel's end along its axis, until tension from the far end parts the two."""
     impedance = math.sqrt(PANEL.axial_stiffness * PANEL.linear_density)
     wave_speed = math.sqrt(PANEL.axial_stiffness / PANEL.linear_density)
     impact = Impact(6.0, 0.01, STIFF)
     exact = struck_bar(impact, PANEL.length, impedance, wave_speed)
-    # There are half as many axial modes; the error of the peak falls with their number.
+    # A panel has half as many axial modes as `modes`; the error of the peak falls with their number.
     for modes, errors in ((24, (0.05, 1e-3, 1e-3)), (96, (3e-3, 5e-5, 5e-5)), (200, (3e-4, 1e-5, 1e-5))):
         yield from _checks(impact, exact, 1.0 + 0.0j, modes, errors, ST_VENANT)
 
 
 def struck_across() -> Iterator[Check]:
-    """Check a beam struck across its end: a dozen contacts in four milliseconds, and one that lasts."""
+    """Check a mass that strikes a panel's end across it: a dozen contacts in four milliseconds, and a lasting one."""
     theory = FineBeam(PANEL, modes=3000)
     hard, soft = Impact(2.0, 0.1, STIFF), Impact(0.5, 0.01, 0.1 * STIFF)
     for impact, few, many in (

@@ -41,6 +41,7 @@ def test_damper_laws_and_a_policy_that_fits_are_compared_on_one_array(tmp_path, 
     assert main([*COMPARE, str(file), "--episodes", "3", "--out", str(tmp_path / "out")]) == 0
     told = capsys.readouterr().out
     assert " does better than the " in told
+    assert ", latch torque " in told
     assert "the drive turns the root alone, with up to " in told
     found = json.loads((tmp_path / "out" / "metrics.json").read_text())
     damping = found["settings"]["found"]["hinge_damping"]

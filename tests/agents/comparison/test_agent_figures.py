@@ -35,7 +35,7 @@ def test_a_comparison_shows_means_intervals_and_the_worst_of_every_controller_in
             found = [line.get_xdata() for line in axes.lines if set(line.get_ydata()) == {rows[name]}]
             for values, exact in zip(found, (ends, [mean], [worst]), strict=True):
                 np.testing.assert_allclose(values, np.multiply(exact, factor))
-    assert saved_figures[0].get_suptitle().startswith("servo has the best return, -0.2\n")
+    assert saved_figures[0].get_suptitle().startswith('"servo" has the best return, -0.2\n')
 
 
 def test_a_comparison_of_fewer_than_four_episodes_shows_no_interval(tmp_path, saved_figures):

@@ -282,7 +282,7 @@ def test_the_cylinders_force_at_a_depth_of_one_millimetre_is_the_factor_of_the_f
         # The cylinders' law was not fitted to these.
         ({"bearing_radius": 0.01 + 4.9e-6}, "clearance = 4.9e-06 m is outside the range .* 5e-06 to 0.01 m"),
         ({"bearing_radius": 0.0201}, "clearance = 0.0101 m is outside"),
-        ({"stiffness": 7e10}, "contact_stiffness = 70000000000.0 is that of spheres"),
+        ({"stiffness": 7e10}, "contact_stiffness = 70000000000.0 holds for spheres"),
     ],
 )
 def test_surfaces_that_do_not_fit_are_refused(changes: dict[str, float], message: str) -> None:

@@ -236,7 +236,7 @@ def test_an_integrator_of_another_formulation_is_refused() -> None:
     with pytest.raises(ValueError, match="the snapshot is a State, the integrator 'modal-radau' needs a ModalState"):
         other.restore(simulation.snapshot())
     simulation.integrator = ModalRadau()
-    with pytest.raises(ValueError, match="'modal-radau' needs other arrays than those of this simulation; make a new"):
+    with pytest.raises(ValueError, match="'modal-radau' needs arrays that this simulation does not have; make a new"):
         simulation.advance(0.1)
 
 

@@ -194,7 +194,7 @@ def test_a_few_lines_answer_and_tables_hold_every_quantity(loads):
     assert len(lines) == 7
     assert lines[0].startswith("The latch of joint ")
     assert "is bent hardest, by" in lines[0]
-    assert "Level: rigid-clearance; the discretisation error of every figure" in lines[6]
+    assert "Level: rigid-clearance; the discretisation error of a figure" in lines[6]
     assert "4 runs of each level" in lines[6]
     assert "clearance" in lines[6]
     assert lines[5] == (
@@ -236,9 +236,9 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
     )
     assert "30.2 \u00b1 1.2 fm" in wear
     assert "discretisation error +3 \u00b1 2 fm; which is negligible: 33,000,000 deployments to 1 micrometre," in wear
-    assert "the discretisation error of every figure is that seen at the finest level" in basis
+    assert "the discretisation error of a figure is its difference from the finest level" in basis
     undrawn = replace(loads.plan, array=ParameterFile(loads.plan.array.parameters, {}))
-    assert "those of the release alone, which is assumed" in answer(replace(loads, plan=undrawn))[-1]
+    assert "intervals come from the release's assumed scatter" in answer(replace(loads, plan=undrawn))[-1]
     nan = math.nan
     alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, 1),)
     line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}, forms={}))[1]

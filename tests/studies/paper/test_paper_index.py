@@ -1,4 +1,4 @@
-"""The page's table of the paper's equations, figures and tables: complete, and true of the code."""
+"""The table of the paper's equations, figures and tables: complete, and true of the code."""
 
 import re
 from pathlib import Path
@@ -6,15 +6,11 @@ from pathlib import Path
 import pytest
 
 from solar_env.commands.studies.paper import FOLDER
+from solar_env.studies.common.tables import read_table
 
 ROOT = Path(__file__).parents[3]
-SECTION = (FOLDER / "README.md").read_text(encoding="utf-8").split("### Where each equation is")[1].split("\n## ")[0]
-ROWS = [line for line in SECTION.splitlines() if line.startswith("| ")]
 # Place in the paper -> file and name of its code, and of its test.
-INDEX = {
-    place: (code.strip("`"), test.strip("`"))
-    for place, _, code, test, _ in ([cell.strip() for cell in row.split("|")[1:-1]] for row in ROWS if "`" in row)
-}
+INDEX = {row["place"]: (row["code"], row["test"]) for row in read_table(FOLDER / "equations.csv").rows}
 
 
 def test_every_equation_and_figure_is_listed_once():

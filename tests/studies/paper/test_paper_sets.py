@@ -101,8 +101,6 @@ def test_of_the_front_one_set_has_the_papers_forces_and_its_bursts_fade():
 
 
 def test_the_command_judges_a_set_and_says_no_reasons_of_the_preset(tmp_path, monkeypatch, capsys):
-    from solar_env.studies.paper import survey
-
     motions = motions_of((), ["rigid-clearance"])
     monkeypatch.setattr("solar_env.studies.paper.claims.CLAIMS", [RIGID_CLAIMS["lead"], RIGID_CLAIMS["turning"]])
     monkeypatch.setattr("solar_env.studies.paper.cases.simulate_run", lambda run: motions[run.case])
@@ -110,4 +108,4 @@ def test_the_command_judges_a_set_and_says_no_reasons_of_the_preset(tmp_path, mo
     said = capsys.readouterr().out
     assert "1 of 2 claims agree" in said
     assert "cable loop" not in said
-    assert len(survey.json.loads((tmp_path / "claims-mid-side.json").read_text(encoding="utf-8"))) == 2
+    assert len(read_table(tmp_path / "claims-mid-side.csv").rows) == 2

@@ -4,8 +4,8 @@ Every node has a position r and a slope r' = dr/ds, both in inertial axes, and t
 between nodes (J. L. Escalona, H. A. Hussien and A. A. Shabana, J. Sound Vib. 214 (1998) 833,
 doi:10.1006/jsvi.1998.1563; paper, Eqs 16-30). The mass matrix is constant and banded. The strains are the extension
 eps = |r'| - 1 and the turn of the tangent per undeformed length, kappa = (r' x r'') / |r'|^2 (J. Gerstmayr and
-H. Irschik, J. Sound Vib. 318 (2008) 461, doi:10.1016/j.jsv.2008.04.019: with other curvatures stretch and bending
-couple falsely). Material damping is proportional to their rates, so that rigid rotation is not damped.
+H. Irschik, J. Sound Vib. 318 (2008) 461, doi:10.1016/j.jsv.2008.04.019: other curvature measures couple stretch and
+bending falsely). Material damping is proportional to the strain rates, so that rigid rotation is not damped.
 """
 
 import math
@@ -26,7 +26,7 @@ from solar_env.mechanics.numerics.profile import add_entry
 
 
 class CableElements(BodyKind[FlexibleBody]):
-    """Beams of cable elements."""
+    """Kind of flexible beams that consist of equal cable elements."""
 
     description = FlexibleBody
     body_fields: ClassVar[Fields] = [
@@ -35,17 +35,17 @@ class CableElements(BodyKind[FlexibleBody]):
         ("axial_stiffness", np.float64),
         ("bending_stiffness", np.float64),
         ("damping", np.float64),
-        ("mass_band", np.int64),  # first entry of the mass matrix in the bodies' constants: rows of MASS_BAND entries
-        ("mass_factor", np.int64),  # first entry of the mass matrix's factors there
+        ("mass_band", np.int64),  # index of the mass matrix in the body constants, in rows of MASS_BAND entries
+        ("mass_factor", np.int64),  # index of the mass matrix's factors in the body constants
     ]
     deformable = True
 
     def coordinates(self, body: FlexibleBody) -> int:
-        """Return the number of coordinates: place and slope of every node."""
+        """Return the number of coordinates: every node has two of its position and two of its slope."""
         return 4 * (body.elements + 1)
 
     def fill(self, body: FlexibleBody, row: np.void, constants: list[float]) -> None:
-        """Fill stiffness and damping; the mass matrix and its factors are constants."""
+        """Fill a beam's lengths, stiffness and damping; append its mass matrix and the factors to `constants`."""
         for name in ("length", "elements", "element_length", "axial_stiffness", "bending_stiffness", "damping"):
             row[name] = getattr(body, name)
         mass = matrices.mass_matrix(body.elements, body.element_length, body.linear_density)
@@ -57,12 +57,12 @@ class CableElements(BodyKind[FlexibleBody]):
             constants += band.ravel().tolist()
 
     def fill_marker(self, body: FlexibleBody, row: np.void, first: int, point: Point) -> None:
-        """Fill the node; a marker is at a node only, and its direction is the slope."""
+        """Fill a marker's row; the marker must be at a node, and its direction is the node's slope."""
         node = first + 4 * body.node(point)
         row["i1"], row["i2"], row["a1"] = node, node + 2, 1.0
 
     def initial_motion(self, body: FlexibleBody) -> tuple[Array, Array]:
-        """Return the motion of a beam that is straight and unstrained."""
+        """Return the coordinates and velocities of a beam at t = 0, when it is straight and unstrained."""
         c, s = math.cos(body.angle), math.sin(body.angle)
         motion = []
         for start, slope in ((body.position, (c, s)), (body.velocity, (-s * body.spin, c * body.spin))):
@@ -73,7 +73,7 @@ class CableElements(BodyKind[FlexibleBody]):
         return motion[0], motion[1]
 
     def weight(self, body: FlexibleBody, gravity: Point) -> Array:
-        """Return the shape functions' integrals times the weight per length."""
+        """Return the generalized weight: shape-function integrals times weight per length, plus lumped weights."""
         step = body.element_length
         mass = body.linear_density * step
         force = np.zeros(self.coordinates(body))
@@ -87,17 +87,17 @@ class CableElements(BodyKind[FlexibleBody]):
         return force
 
     def error_weight(self, body: FlexibleBody) -> Array:
-        """Weigh a slope by the length by which it moves the same inertia, from the mass matrix."""
+        """Return ones for positions and, for slopes, the length [m] by which a unit slope moves the same inertia."""
         slope = math.sqrt(4.0 / 156.0) * body.length / body.elements
         return np.tile([1.0, 1.0, slope, slope], body.elements + 1)
 
     def stable_step(self, body: FlexibleBody) -> float:
-        """Return the stable step of the free straight beam."""
+        """Return the largest step [s] for which the explicit method is stable on the free straight beam."""
         stiffness = body.axial_stiffness, body.bending_stiffness
         return matrices.stable_step(body.elements, body.element_length, body.linear_density, *stiffness, body.damping)
 
     def rigid_motions(self, q: Array) -> Array:
-        """Return the rigid motions of nodes whose slopes do not change in a translation."""
+        """Return the coordinate rates of rigid motions; a translation does not change the nodes' slopes."""
         motions = super().rigid_motions(q)
         motions[:2, 2::4] = motions[:2, 3::4] = 0.0
         return motions
@@ -112,10 +112,10 @@ class CableElements(BodyKind[FlexibleBody]):
 
 
 def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
-    """Return the table of the elements of all beams among bodies, in blocks.
+    """Return the table of all beams' elements, in blocks; other bodies are skipped.
 
     Args:
-        bodies: first coordinate and description of each.
+        bodies: pair (index of the first coordinate, description) of every body.
     """
     rows = [
         (
@@ -144,7 +144,7 @@ def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
 
 @kernel(inlined=False)
 def add_mass_product(body, constants, a, out):
-    """Add the body's M a to `out` (n,)."""
+    """Add a beam's mass matrix times the accelerations `a` (n,) to `out` (n,)."""
     rows = body.coordinates // 2
     for i in range(rows):
         x = body.offset + 2 * i
@@ -162,7 +162,7 @@ def add_mass_product(body, constants, a, out):
 
 @kernel(inlined=False)
 def solve_mass(body, constants, force, a):
-    """Write the body's M^-1 force into `a` (n,)."""
+    """Write a beam's M^-1 force to `a` (n,), by the factors of its banded mass matrix."""
     rows, first = body.coordinates // 2, body.mass_factor
     fx, fy, gx, gy, hx, hy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(rows):
@@ -173,7 +173,7 @@ def solve_mass(body, constants, force, a):
         y = force[k + 1] - l0 * fy - l1 * gy - l2 * hy
         a[k], a[k + 1] = x, y
         fx, fy, gx, gy, hx, hy = gx, gy, hx, hy, x, y
-    # The unknowns behind the row in hand, each with the row that holds its factors.
+    # Solutions h, g, f of the first, second and third row after row i, and the factors l, m, n of these rows.
     fx, fy, gx, gy, hx, hy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     l0, l1, l2, m0, m1, n0 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(rows - 1, -1, -1):
@@ -190,7 +190,7 @@ def solve_mass(body, constants, force, a):
 
 @kernel(inlined=False)
 def kinetic_energy(body, constants, v):
-    """Return the kinetic energy [J] of the body."""
+    """Return the kinetic energy [J] of a beam from the velocities `v` (n,)."""
     total = 0.0
     for i in range(body.coordinates // 2):
         x = body.offset + 2 * i
@@ -204,7 +204,7 @@ def kinetic_energy(body, constants, v):
 
 @kernel(inlined=False)
 def add_mass_matrix(body, constants, weight, elimination, matrix):
-    """Add weight * (mass matrix of the body) to `matrix`."""
+    """Add weight * (a beam's mass matrix) to the profile matrix `matrix` (`profile.py`)."""
     for i in range(body.coordinates // 2):
         for k in range(max(0, MASS_BAND - 1 - i), MASS_BAND):
             j = i - (MASS_BAND - 1) + k

@@ -1,6 +1,6 @@
 """Internal forces and strain energy of beams of cable elements (`element.py`).
 
-Within an element of length L everything follows from three vectors: the chord d = (r_b - r_a) / L and the slopes a, b.
+Three vectors describe an element of length L: the chord d = (r_b - r_a) / L, and the slopes a and b at its ends.
 """
 
 import math
@@ -8,7 +8,7 @@ import math
 from solar_env.mechanics.bodies.cable_element.matrices import AXIAL, BENDING
 from solar_env.mechanics.numerics.jit import kernel
 
-# Elements per block, whose forces are computed together; REGISTER divides the number that is computed.
+# Number of elements per block, whose forces are computed together in groups of REGISTER elements.
 LANES = 64
 REGISTER = 4
 TABLE_ROWS = 19
@@ -16,7 +16,7 @@ TABLE_ROWS = 19
 
 @kernel
 def add_axial_point(point, x, axial, damping, f):
-    """Add one quadrature point's part of the axial force to the tuple that `element_forces` builds up."""
+    """Return `f`, an element's forces and damping power, plus the axial contribution of one quadrature point."""
     d, a, b, _, _, _, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
     f0, f1, f2, f3, f4, f5, power = f
@@ -35,7 +35,7 @@ def add_axial_point(point, x, axial, damping, f):
 
 @kernel
 def add_bending_point(point, x, bending, damping, f):
-    """Add one quadrature point's part of the bending moment to the tuple that `element_forces` builds up."""
+    """Return `f`, an element's forces and damping power, plus the bending contribution of one quadrature point."""
     d, a, b, e, g, h, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
     f0, f1, f2, f3, f4, f5, power = f
@@ -67,13 +67,13 @@ def add_bending_point(point, x, bending, damping, f):
 def element_forces(lanes, constants, table):
     """Compute the internal forces of a block of elements, several at a time in the processor's vector registers.
 
-    For that the loop has no branch, its quadrature points are written out, and all distances in `table` are constant.
+    For vectorization the loop has no branch, quadrature points are written out, and strides in `table` are constant.
 
     Args:
-        lanes: number of columns to work on.
+        lanes: number of elements, each of which has a column of `table`.
         constants: (3 * LANES,) E A L, E I / L and retardation time by element.
-        table: (TABLE_ROWS * LANES,) rows of chord and slopes, then of their rates, are read; the gradient of the strain
-            energy (plus viscous part) by chord and slopes, and the power that damping takes [W], are written behind.
+        table: (TABLE_ROWS * LANES,) rows. The first twelve, chord and slopes and then their rates, are read. The last
+            seven are written: the force by chord and slopes, viscous part included, and the damping power [W].
     """
     for i in range(lanes):
         x = (
@@ -111,15 +111,15 @@ def element_forces(lanes, constants, table):
 
 @kernel(inlined=False)
 def add_elastic_forces(elements, q, v, force, table):
-    """Add the internal forces of all beams to `force`; return the power [W] that damping takes.
+    """Add the internal forces of all beams to `force` (n,); return the power [W] that material damping dissipates.
 
-    `table` (TABLE_ROWS * LANES,) is scratch.
+    `table` (TABLE_ROWS * LANES,) is a work array.
     """
     total = 0.0
     for block in range(elements.offset.shape[0]):
         offset, inverse_length = elements.offset[block], elements.inverse_length[block]
         filled = elements.filled[block]
-        # Whole registers: the columns behind the last element repeat the first one, without stiffness.
+        # Whole registers are filled: columns after the last element repeat the first element with zero stiffness.
         lanes = (filled + REGISTER - 1) // REGISTER * REGISTER
         for i in range(lanes):
             k, inverse = offset[i], inverse_length[i]
@@ -147,7 +147,7 @@ def add_elastic_forces(elements, q, v, force, table):
 
 @kernel(inlined=False)
 def add_elastic_energy(body, q, total):
-    """Return the strain energy [J] of a beam, added to `total`."""
+    """Return `total` [J] plus the strain energy of a beam at the coordinates `q` (n,)."""
     length = body.element_length
     for e in range(body.elements):
         k = body.offset + 4 * e

@@ -1,4 +1,4 @@
-"""Mass and stiffness of straight beams of cable elements, and the quadrature of their strains. Plain NumPy."""
+"""Mass and stiffness matrices of straight cable-element beams, and quadrature of the strains. Plain NumPy."""
 
 import cmath
 import math
@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-# Bandwidth of a beam's mass matrix, the diagonal included: two neighbouring nodes.
+# Bandwidth of a beam's mass matrix for one axis, diagonal included: the matrix couples neighbouring nodes.
 MASS_BAND = 4
-# Beyond this number of elements the highest frequency depends on the length of an element alone.
+# Number of elements beyond which a beam's highest frequency depends on the element length alone.
 _REPRESENTATIVE_ELEMENTS = 12
 
 
 def _quadrature(points: int) -> tuple[tuple[float, ...], ...]:
-    """Return rows by Gauss point of [0, 1]: weights of d, a, b in r'; the same in L r''; quadrature weight."""
+    """Return a row per Gauss point of [0, 1]: weights of d, a, b in r', weights in L r'', and quadrature weight."""
     nodes, weights = np.polynomial.legendre.leggauss(points)
     rows = []
     for s, w in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):
@@ -24,13 +24,13 @@ def _quadrature(points: int) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(float(x) for x in row) for row in rows)
 
 
-# Points that integrate the axial and the bending part.
+# Quadrature points of the axial strain energy and of the bending energy.
 AXIAL = _quadrature(5)
 BENDING = _quadrature(3)
 
 
 def _assembled(element: NDArray[np.float64], elements: int) -> NDArray[np.float64]:
-    """Assemble a beam's matrix (2 (elements + 1), same) from an element's, in the order r_0, r'_0, r_1, r'_1, ..."""
+    """Assemble a beam's matrix, whose 2 (elements + 1) rows are r_0, r'_0, r_1, r'_1, ..., from an element's matrix."""
     matrix = np.zeros((2 * (elements + 1), 2 * (elements + 1)))
     for e in range(elements):
         matrix[2 * e : 2 * e + 4, 2 * e : 2 * e + 4] += element
@@ -38,7 +38,7 @@ def _assembled(element: NDArray[np.float64], elements: int) -> NDArray[np.float6
 
 
 def mass_matrix(elements: int, element_length: float, linear_density: float) -> NDArray[np.float64]:
-    """Return the mass matrix, which acts on the x and likewise on the y coordinates."""
+    """Return a beam's mass matrix for one axis; the x coordinates and the y coordinates have the same matrix."""
     L = element_length
     rows = [
         [156.0, 22.0 * L, 54.0, -13.0 * L],
@@ -50,7 +50,7 @@ def mass_matrix(elements: int, element_length: float, linear_density: float) -> 
 
 
 def shape_at(elements: int, element_length: float, place: float) -> NDArray[np.float64]:
-    """Return the weights (2 (elements + 1),) of the nodes' places and slopes at a `place` [m] along the axis."""
+    """Return the weights (2 (elements + 1),) of nodal positions and slopes for the point at `place` [m] on the axis."""
     e = min(int(place / element_length), elements - 1)
     s = place / element_length - e
     shape = np.zeros(2 * (elements + 1))
@@ -66,9 +66,9 @@ def shape_at(elements: int, element_length: float, place: float) -> NDArray[np.f
 def stiffness_matrix(
     elements: int, element_length: float, axial_stiffness: float, bending_stiffness: float
 ) -> NDArray[np.float64]:
-    """Return the stiffness of the straight beam, axial and transverse motion added up.
+    """Return the sum of a straight beam's stiffness matrices for axial and for transverse motion.
 
-    The two motions do not couple; with one stiffness zero the matrix belongs to the other motion.
+    The two motions do not couple. If one stiffness is zero, the result is the matrix of the other motion.
     """
     element = np.zeros((4, 4))
     bending = bending_stiffness / element_length**2

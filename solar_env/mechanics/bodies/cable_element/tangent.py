@@ -1,9 +1,9 @@
-"""Slopes of the internal forces of beams of cable elements (`element.py`), for implicit integration.
+"""Derivatives of the internal forces in cable-element beams (`element.py`), for implicit integration.
 
-With x = (chord, slopes) of an element, its strains are e(x), their rates e' = G x' with G = de/dx, and its internal
+An element with x = (chord, slopes) has the strains e(x) and the strain rates e' = G x' with G = de/dx. Its internal
 force is the integral of G^T (stiffness) (e + damping * e'). At every quadrature point the strain depends on r', or on
-r' and L r'': the slopes by these are computed first, the slopes by x follow with the shape functions. Several elements
-are computed at a time, in the processor's vector registers; for that, inputs and outputs are separate arrays.
+r' and L r''. Derivatives by r' and L r'' are computed first; the shape functions turn them into derivatives by x.
+Several elements are computed at a time in the processor's vector registers, which needs separate inputs and outputs.
 """
 
 import math
@@ -17,24 +17,24 @@ from solar_env.mechanics.bodies.cable_element.matrices import AXIAL, BENDING
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import BLOCK
 
-# Elements that are worked on together.
+# Number of elements that are computed together.
 COLUMNS = 16
-# Slopes at the quadrature points, 2 x 2: by r', then by r' and L r'' in turn.
+# Number of 2 x 2 derivative blocks: one (by r') per axial point, then four (by r' and L r'') per bending point.
 _POINTS = len(AXIAL) + 4 * len(BENDING)
 
 
 class ElementSlopes(NamedTuple):
-    """Scratch arrays of `add_elastic_tangents`: rows of COLUMNS elements each."""
+    """Work arrays of `add_elastic_tangents`; each row has one entry for each of COLUMNS elements."""
 
     motion: NDArray[np.float64]  # 12 rows: chord and slopes, then their rates
-    local_stiffness: NDArray[np.float64]  # 4 rows for each of _POINTS
+    local_stiffness: NDArray[np.float64]  # 4 rows for each of the _POINTS blocks
     local_damping: NDArray[np.float64]
-    stiffness: NDArray[np.float64]  # 36 rows: slopes by chord and slopes
+    stiffness: NDArray[np.float64]  # 36 rows: force derivatives by chord and slopes
     damping: NDArray[np.float64]
 
 
 def make_element_slopes() -> ElementSlopes:
-    """Allocate the scratch arrays of `add_elastic_tangents`."""
+    """Allocate the work arrays of `add_elastic_tangents`."""
     return ElementSlopes(
         motion=np.zeros(12 * COLUMNS),
         local_stiffness=np.zeros(4 * _POINTS * COLUMNS),
@@ -45,7 +45,7 @@ def make_element_slopes() -> ElementSlopes:
 
 
 def _expansion() -> NDArray[np.float64]:
-    """Return the (9, _POINTS) weights of the local slopes in the slopes by each pair of (chord, slope, slope)."""
+    """Return the weights (9, _POINTS) with which `_expand` sums blocks, for each pair of (chord, slope, slope)."""
     rows = []
     for i in range(3):
         for j in range(3):
@@ -62,7 +62,7 @@ _EXPANSION = _expansion()
 
 @kernel
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Compute the slopes of the axial force at a quadrature point by r' and its rate."""
+    """Compute the axial force's derivatives by r' and by the rate of r', at a quadrature point."""
     d, a, b, _, _, _, w = point
     for i in range(lanes):
         rx = d * table[i] + a * table[2 * COLUMNS + i] + b * table[4 * COLUMNS + i]
@@ -75,7 +75,7 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
         tx, ty = rx * inverse, ry * inverse
         rate = tx * vx + ty * vy
         geometric = weight * (stretch - 1.0 + damping * rate) * inverse
-        # Slope of the strain plus its weighted rate.
+        # Weighted derivative, by r', of strain + damping * (strain rate).
         sx = weight * (tx + damping * (vx - tx * rate) * inverse)
         sy = weight * (ty + damping * (vy - ty * rate) * inverse)
         stiffness[i] = tx * sx + geometric * ty * ty
@@ -91,7 +91,7 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Compute the slopes of the bending moment at a quadrature point by r' and L r'' and their rates."""
+    """Compute the bending moment's derivatives by r', L r'' and the rates of both, at a quadrature point."""
     d, a, b, e, g, h, w = point
     for i in range(lanes):
         dx, dy, ax, ay = table[i], table[COLUMNS + i], table[2 * COLUMNS + i], table[3 * COLUMNS + i]
@@ -116,12 +116,12 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
         mx, my = -ry * inverse, rx * inverse
         rate = gx * vx + gy * vy + mx * zx + my * zy
         moment = turn + damping * rate
-        # Hessian of the turn: by r' twice, and by L r'' and r'; by L r'' twice it vanishes.
+        # Hessian of the turn: by r' twice, and by L r'' and r'; the part by L r'' twice is zero.
         gxx, gxy = -2.0 * inverse * (2.0 * rx * gx + turn), -2.0 * inverse * (rx * gy + ry * gx)
         gyy = -2.0 * inverse * (2.0 * ry * gy + turn)
         mxx, mxy = -2.0 * inverse * rx * mx, -inverse - 2.0 * inverse * ry * mx
         myx, myy = inverse - 2.0 * inverse * rx * my, -2.0 * inverse * ry * my
-        # Slopes of the turn plus its weighted rate.
+        # Derivatives, by r' and by L r'', of turn + damping * (its rate).
         sgx = gx + damping * (gxx * vx + gxy * vy + mxx * zx + myx * zy)
         sgy = gy + damping * (gxy * vx + gyy * vy + mxy * zx + myy * zy)
         smx, smy = mx + damping * (mxx * vx + mxy * vy), my + damping * (myx * vx + myy * vy)
@@ -156,7 +156,7 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _expand(lanes, local, found):
-    """Compute the slopes by chord and slopes from the slopes at the quadrature points."""
+    """Compute the force derivatives by chord and slopes from the derivatives at the quadrature points."""
     for pair in range(9):
         weights = _EXPANSION[pair]
         for entry in range(4):
@@ -176,7 +176,7 @@ def _expand(lanes, local, found):
 
 @kernel
 def _scatter(elimination, matrix, k, inverse, slopes, i):
-    """Add an element's slopes by chord and slopes to a matrix by nodes; each node has a block."""
+    """Add element `i`'s derivatives by chord and slopes to a profile matrix, in which each node has a block."""
     inner, outer = elimination.position[k] // BLOCK, elimination.position[k + BLOCK] // BLOCK
     cross = elimination.base[outer] + inner
     innermost, upper = matrix.diagonal[inner], matrix.upper[cross]
@@ -196,14 +196,14 @@ def _scatter(elimination, matrix, k, inverse, slopes, i):
 
 @kernel(inlined=False)
 def add_elastic_tangents(elements, q, v, slopes, elimination, stiffness, damping):
-    """Add df/dq and df/dv of the internal forces f, which resist, to two matrices (`profile.py`)."""
+    """Add df/dq to `stiffness` and df/dv to `damping` (`profile.py`), for the resisting internal forces f."""
     motion = slopes.motion
     for block in range(elements.offset.shape[0]):
         offset, inverse_length = elements.offset[block], elements.inverse_length[block]
         constants, filled = elements.constants[block], elements.filled[block]
         for first in range(0, filled, COLUMNS):
             count = min(filled - first, COLUMNS)
-            # Whole registers: the columns behind the last element repeat the first one, without stiffness.
+            # Whole registers are filled: columns after the last element repeat the first element with zero stiffness.
             lanes = (count + REGISTER - 1) // REGISTER * REGISTER
             for i in range(lanes):
                 k, inverse = offset[first + i], inverse_length[first + i]

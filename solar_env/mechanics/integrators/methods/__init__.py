@@ -1,10 +1,10 @@
-"""Integration methods; `table` has their kernels, a row a method.
+"""Integration methods; `table` lists the kernels of every method.
 
-Imports `settings` and `formulations` of the room around it, `modal`, `records` and the equations with what lies below
-them. `rosenbrock` and `stage_steps` offer methods in stages to the run loop; their steps are in `runge_kutta`,
-with `stiff_forces`, and in `rosenbrock_step`; `stages` has their arrays and interpolants.
+The package imports `settings` and `formulations` from `integrators`, `modal`, `records`, `equations` and packages below
+these. `rosenbrock` and `stage_steps` connect the methods with stages to the run loop. The steps are in `runge_kutta`,
+with `stiff_forces`, and in `rosenbrock_step`; `stages` has arrays and interpolants for both.
 
-To add a method, write its module: a named tuple of its settings, a function that makes its arrays, and the kernels that
-`table.Kernels` lists. Its settings are a class of `settings`, and its row in `table.METHODS` states its order.
-Command line, warm-up, batches and the tests of every method follow.
+To add a method, write a module with a named tuple of its settings, a function that makes its arrays, and the kernels
+that `table.Kernels` lists. Add a settings class to `integrators/settings.py`, and an entry with the method's order to
+`table.METHODS`. Command line, warm-up, batches and the tests of every method then include the new one.
 """

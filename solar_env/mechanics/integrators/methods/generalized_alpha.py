@@ -3,11 +3,11 @@
 J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371, doi:10.1115/1.2900803, in the form of M. Arnold and
 O. Bruls, Multibody Syst. Dyn. 18 (2007) 185, doi:10.1007/s11044-007-9084-0. Constraint rows and multipliers are
 scaled by beta h^2 (C. L. Bottasso, O. A. Bauchau and A. Cardona, SIAM J. Sci. Comput. 29 (2007) 397,
-doi:10.1137/050638503). With rho_inf = 1 this is the trapezoidal Newmark scheme, beta = 1/4, gamma = 1/2.
+doi:10.1137/050638503). With rho_inf = 1 the method is the trapezoidal Newmark scheme, beta = 1/4, gamma = 1/2.
 
-Fixed steps divide a call evenly and land on no events: Newton's iteration meets contacts, latches and stops wherever
-they are. A change of step size leaves the auxiliary accelerations inconsistent; they are then solved for afresh on the
-acceleration level, at the instant t + (alpha_m - alpha_f) h which they stand for.
+Fixed steps divide a call evenly and do not end at events: contacts, latches and stops act inside Newton's iteration. A
+change of step size makes the auxiliary accelerations inconsistent. They are then solved anew on the acceleration level,
+at the time t + (alpha_m - alpha_f) h for which they are valid.
 """
 
 import math
@@ -44,12 +44,12 @@ from solar_env.mechanics.numerics.profile import BLOCK, clear, enter, profile_fa
 from solar_env.mechanics.records.recording import record_sample
 
 _MOST_ITERATIONS = 60
-# Iterations that may cycle, at kinks of contact or friction, before only shares of the corrections are taken.
+# Iterations without progress, as at kinks of contact or friction, after which corrections are scaled down.
 _PATIENCE = 12
 
 
 class AlphaSettings(NamedTuple):
-    """Settings of generalized-alpha as the kernels take them."""
+    """Settings of generalized-alpha in the types that the kernels take."""
 
     alpha_m: float
     alpha_f: float
@@ -60,9 +60,9 @@ class AlphaSettings(NamedTuple):
 
 
 class Iteration(NamedTuple):
-    """Arrays of the step in hand."""
+    """Arrays of the current step of generalized-alpha."""
 
-    start_q: NDArray[np.float64]  # start of the step: the accepted state, moved back to the constraints by a restart
+    start_q: NDArray[np.float64]  # start of the step: the accepted state, which a restart projects on the constraints
     start_v: NDArray[np.float64]
     q: NDArray[np.float64]
     v: NDArray[np.float64]
@@ -82,7 +82,7 @@ class Iteration(NamedTuple):
 
 
 def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
-    """Allocate the arrays of a step."""
+    """Allocate the arrays of a generalized-alpha step, and fill the mass matrix."""
     n = state.q.size
     size = n + state.multipliers.size
     return Iteration(
@@ -108,7 +108,7 @@ def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
 
 @kernel
 def fill_residual(model, state, it, work, time, scale):
-    """Fill the right-hand side of Newton's equations: minus residuals of dynamics (times `scale`) and constraints."""
+    """Fill `it.rhs` for Newton's equations: the negative residuals of dynamics, times `scale`, and of constraints."""
     bodies, rhs, force = model.bodies, it.rhs, work.force
     q, multipliers = it.q, it.multipliers
     n, rows = q.size, work.residual.size
@@ -134,7 +134,7 @@ def fill_residual(model, state, it, work, time, scale):
 
 @kernel
 def solve_newton(model, it):
-    """Solve Newton's equations for `it.rhs` in place; False if the matrix is singular."""
+    """Replace `it.rhs` by the solution of Newton's equations; return False if the matrix is singular."""
     position, rhs, solution = model.elimination.position, it.rhs, it.solution
     if not profile_factor(model.elimination, it.newton.matrix):
         return False
@@ -148,7 +148,7 @@ def solve_newton(model, it):
 
 @kernel
 def solve_step(model, state, it, work, settings, h):
-    """Solve one step into `it`; return the last correction in units of the tolerance (at most 1 if it converged)."""
+    """Solve a step `h` [s] into `it`; return the last Newton correction divided by its tolerance (<= 1: converged)."""
     n = state.q.size
     alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
     q0, v0, a0, x0 = it.start_q, it.start_v, state.a, state.algorithmic_a
@@ -180,7 +180,7 @@ def solve_step(model, state, it, work, settings, h):
         for i in range(n):
             if not abs(rhs[i]) <= correction:
                 correction = abs(rhs[i])
-        # A share r of a correction that points the right way leaves 1 - r of it.
+        # A correction that is right but scaled by r leaves the fraction 1 - r of the error.
         if correction <= (1.0 - 0.5 * relaxation) * best:
             best, stalled, relaxation = correction, 0, min(1.0, 2.0 * relaxation)
         else:
@@ -205,9 +205,9 @@ def solve_step(model, state, it, work, settings, h):
 
 @kernel
 def restart(model, state, it, work, settings, h):
-    """Solve accelerations and multipliers afresh at the accepted state, for steps of size `h`. False if singular."""
+    """Compute accelerations and multipliers anew at the accepted state, for steps `h` [s]; return False if singular."""
     q0, v0, time = it.start_q, it.start_v, state.clock[0].time
-    # Velocities are O(h^2) off the constraints, which a shorter step would answer with forces of O(h^2 / new step).
+    # Velocities violate the constraints by O(h^2), which would cause forces of O(h^2 / new step) in a shorter step.
     if not prepare_response(model, q0, time, work):
         return False
     project(model, q0, v0, time, work)
@@ -232,17 +232,17 @@ def restart(model, state, it, work, settings, h):
 
 
 class AlphaArrays(NamedTuple):
-    """Scratch arrays of the method, of one thread; nothing in them outlives a lane's turn."""
+    """Work arrays of generalized-alpha for one thread; the thread reuses them for each mechanism of a batch."""
 
     trial: NDArray[np.void]  # (1,) rows of `trial.trial_type`
     motion: NDArray[np.void]  # (joints,) rows of `trial.joint_motion_type`
     work: Workspace
-    scratch: Workspace  # for evaluations that leave the other as it is
+    scratch: Workspace  # for evaluations that must not change `work`
     iteration: Iteration
 
 
 def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
-    """Allocate the arrays for a mechanism."""
+    """Allocate a thread's work arrays of generalized-alpha for a mechanism."""
     work, motion = make_workspace(model, state), np.zeros(state.joints.size, joint_motion_type)
     return AlphaArrays(
         np.zeros(1, trial_type), motion, work, make_workspace(model, state), make_iteration(model, state, work)
@@ -250,7 +250,7 @@ def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
 
 
 def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
-    """Convert the settings to the types that the kernels take; for other types kernels would be compiled anew."""
+    """Convert a user's settings to the kernels' types; other types would compile the kernels anew."""
     return AlphaSettings(
         *alpha_coefficients(chosen.rho_inf),
         float(chosen.step),
@@ -260,9 +260,9 @@ def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
 
 @kernel
 def prepare(model, state, arrays):
-    """Compute the contact modes and powers at the start of a step.
+    """Compute the joints' impact speeds, and the powers, at the start of a step.
 
-    A journal that flies freely gets its present approach speed as the impact speed, should the step end in contact.
+    A free journal gets its present approach speed as the impact speed, in case the step ends in contact.
     """
     work, joint_states = arrays.work, state.joints
     for j in range(model.joints.size):
@@ -280,14 +280,14 @@ def prepare(model, state, arrays):
 
 @kernel
 def engage_stops(model, state, arrays):
-    """Engage all stops: Newton's iteration meets them wherever they are, and nothing is frozen in a step."""
+    """Engage all stops: Newton's iteration lets a stop act wherever its angle is reached, even inside a step."""
     for j in range(model.joints.size):
         state.joints[j].stop_engaged = 1
 
 
 @kernel
 def begin_alpha(model, state, settings, arrays):
-    """Fill the arrays from a model and its present state."""
+    """Prepare the work arrays for a call, from the model and its present state; return True."""
     it = arrays.iteration
     engage_stops(model, state, arrays)
     fill_rows(model, arrays.work)
@@ -305,13 +305,13 @@ def begin_alpha(model, state, settings, arrays):
 
 @kernel
 def choose_alpha(model, state, settings, arrays, remaining):
-    """Return the step to try [s]: the fixed one, shortened so that a whole number of steps ends the call."""
+    """Return the step to try [s]: the fixed step, shortened so that a whole number of steps ends the call."""
     return remaining / math.ceil(remaining / settings.step - 1e-9)
 
 
 @kernel
 def attempt_alpha(model, state, settings, arrays, h):
-    """Solve a step `h` [s]; return its error in units of the tolerance, negative if constraints are singular."""
+    """Solve a step `h` [s]; return 0, or more than 1 if Newton's iteration fails, or -1 if constraints are singular."""
     clock, trial, it, work = state.clock[0], arrays.trial[0], arrays.iteration, arrays.work
     prepare(model, state, arrays)
     copy_into(it.start_q, state.q)
@@ -332,14 +332,14 @@ def attempt_alpha(model, state, settings, arrays, h):
 
 @kernel
 def complete_alpha(model, state, settings, arrays, h):
-    """Fill the loads of the constraints at the end of the step."""
+    """Fill the joint forces and powers of the constraints at the end of the step."""
     it = arrays.iteration
     store_constraint_loads(model, it.multipliers, state.clock[0].time + h, it.q, arrays.work)
 
 
 @kernel
 def sample_alpha(model, state, settings, arrays, recorder, h, share):
-    """Store one row inside the solved step: cubic Hermite for positions, its derivative for velocities."""
+    """Record a sample at `share` of the step: a cubic Hermite polynomial gives positions, its derivative velocities."""
     it, work, scratch = arrays.iteration, arrays.work, arrays.scratch
     for i in range(state.q.size):
         rise = it.q[i] - it.start_q[i]
@@ -349,7 +349,7 @@ def sample_alpha(model, state, settings, arrays, recorder, h, share):
         it.scratch_q[i] = it.start_q[i] + share * (slope0 + share * (c2 + share * c3))
         it.scratch_v[i] = (slope0 + share * (2.0 * c2 + 3.0 * share * c3)) / h if h > 0.0 else it.start_v[i]
     for k in range(state.integrals.size):
-        # Trapezoid over the share: the power is taken as linear in the step.
+        # Trapezoidal rule up to the sample: the power is taken as linear in the step.
         mean = it.power[k] + 0.5 * share * (work.power[k] - it.power[k])
         it.integrals[k] = state.integrals[k] + share * h * mean
     copy_into(scratch.impact_speeds, work.impact_speeds)
@@ -375,18 +375,18 @@ def commit_alpha(model, state, settings, arrays, h, share):
 
 @kernel
 def evaluate_alpha(model, state, arrays, changed):
-    """Fill angles, rates and forces of the joints from the loads at the accepted state."""
+    """Fill `motion` with joint angles, rates and forces from the joint loads at the accepted state."""
     take_loads(arrays.work.loads, arrays.motion)
     return True
 
 
 @kernel
 def depth_at_start(model, state, arrays, j, h, share):
-    """Return the penetration [m] of joint `j`, at the start of the step alone: events inside it are not looked for."""
+    """Return the penetration [m] of joint `j` at the step's start, for any `share`: steps do not end at events."""
     return arrays.motion[j].depth
 
 
 @kernel
 def angle_at_start(model, state, arrays, j, h, share):
-    """Return the angle [rad] of joint `j` at the start of the step alone, as `depth_at_start`."""
+    """Return the angle [rad] of joint `j` at the step's start, for any `share`: steps do not end at events."""
     return arrays.motion[j].angle

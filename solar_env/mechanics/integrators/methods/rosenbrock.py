@@ -1,8 +1,8 @@
-"""Explicit Runge-Kutta steps, and in Rosenbrock's method linearly implicit ones where they are worth their price.
+"""Run-loop kernels of the Runge-Kutta and Rosenbrock methods, which choose explicit or linearly implicit steps.
 
-With flexible bodies the explicit step (`runge_kutta.py`) is unstable beyond a known size. Where accuracy would allow a
-step several times as long, Rosenbrock's method tries a linearly implicit one (`rosenbrock_step.py`). With rigid bodies
-alone both methods are the same. They share their kernels, which are compiled once.
+With flexible bodies an explicit step (`runge_kutta.py`) is unstable beyond a known size. Where accuracy would allow a
+step several times as long, Rosenbrock's method tries a linearly implicit step (`rosenbrock_step.py`). With rigid bodies
+alone both methods are the same. The methods share their kernels, which are compiled once.
 """
 
 from typing import NamedTuple
@@ -36,27 +36,27 @@ from solar_env.mechanics.numerics.profile import clear
 from solar_env.mechanics.numerics.step_size import StepController, growth
 from solar_env.mechanics.records.history import step_limit
 
-ORDER = 4  # of convergence, of both kinds of step
-# Share of the flexible bodies' stable step that is used: on its very limit their highest mode would not decay.
+ORDER = 4  # order of convergence of both kinds of step
+# Fraction of the flexible bodies' stable step that is used: exactly at the limit the highest mode would not decay.
 _STABILITY_MARGIN = 0.95
-# Least ratio of a linearly implicit step to the stable explicit one. An implicit step costs five times as much, but the
-# explicit method's estimate also sees the stiff vibrations and promises shorter steps than the implicit one can take.
+# Least ratio of a linearly implicit step to the stable explicit step. An implicit step costs five times as much, but
+# the explicit error estimate includes stiff vibrations and suggests shorter steps than an implicit step can take.
 _WORTH = 2.5
-# Factor on a linearly implicit step's error: it dissipates unresolved vibrations, which the energy book lacks.
+# Factor on the error of a linearly implicit step, which dissipates unresolved vibrations unseen by the energy balance.
 _STRICTER = 2.0
-# Most explicit steps before the next try: after a failed try the number of steps is doubled.
+# Most explicit steps before the next implicit try: after a failed try the number of steps is doubled.
 _LONGEST_WAIT = 256
-# Controller of steps that accuracy alone would bound.
+# Controller of the step size that accuracy alone would allow.
 _CONTROL = StepController(4.0)
 
-# While a flexible mechanism moves more slowly than its velocity scale divided by _SLOW, the scale shrinks with the
-# square of its speed, down to _LEAST_SCALE of it: impacts amplify errors, and the first, slow impacts' errors longest.
+# Below the speed velocity_scale / _SLOW, a flexible mechanism's velocity scale shrinks with the square of the speed,
+# down to its fraction _LEAST_SCALE: impacts amplify errors, and the errors of the first, slow impacts longest.
 _SLOW = 0.5
 _LEAST_SCALE = 1e-3
 
 
 class StageSettings(NamedTuple):
-    """Settings of methods in stages as the kernels take them."""
+    """Settings of methods with stages in the types that the kernels take."""
 
     rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
     velocity_scale: float  # [m/s]
@@ -66,19 +66,19 @@ class StageSettings(NamedTuple):
 
 
 class StageArrays(NamedTuple):
-    """Scratch arrays of methods in stages, of one thread; nothing in them outlives a lane's turn."""
+    """Work arrays of methods with stages for one thread; the thread reuses them for each mechanism of a batch."""
 
     trial: NDArray[np.void]  # (1,) rows of `trial.trial_type`
     motion: NDArray[np.void]  # (joints,) rows of `trial.joint_motion_type`
     work: Workspace
-    scratch: Workspace  # for evaluations that leave the other as it is
+    scratch: Workspace  # for evaluations that must not change `work`
     stages: Stages
     stiff: StiffForces
     step: LinearStep
 
 
 def convert_settings(chosen: RungeKutta) -> StageSettings:
-    """Convert the settings to the types that the kernels take; for other types kernels would be compiled anew."""
+    """Convert a user's settings to the kernels' types; other types would compile the kernels anew."""
     return StageSettings(
         float(chosen.rtol),
         float(chosen.velocity_scale),
@@ -89,7 +89,7 @@ def convert_settings(chosen: RungeKutta) -> StageSettings:
 
 
 def make_stage_arrays(model: Model, state: State) -> StageArrays:
-    """Allocate the arrays for a mechanism."""
+    """Allocate a thread's work arrays of methods with stages for a mechanism."""
     work, scratch = make_workspace(model, state), make_workspace(model, state)
     stages, stiff, step = make_stages(state, STAGES), make_stiff_forces(state), make_linear_step(model, state, work)
     trial, motion = np.zeros(1, trial_type), np.zeros(state.joints.size, joint_motion_type)
@@ -98,7 +98,7 @@ def make_stage_arrays(model: Model, state: State) -> StageArrays:
 
 @kernel
 def present_velocity_scale(velocity_scale, weights, v0, v):
-    """Return the velocity scale [m/s] for the present speed of a flexible mechanism."""
+    """Return the velocity scale [m/s] of the error norm, which is smaller while a flexible mechanism moves slowly."""
     top = 0.0
     for i in range(v.size):
         top = max(top, weights[i] * max(abs(v0[i]), abs(v[i])))
@@ -107,7 +107,7 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
 
 @kernel
 def begin_rosenbrock(model, state, settings, arrays):
-    """Prepare a call, free of values from other lanes and calls; return False if constraints are singular."""
+    """Prepare the work arrays for a call, without values of earlier calls; return False if constraints are singular."""
     step = arrays.step
     arrays.stiff.active[0] = 0
     step.linearized[0] = NEVER
@@ -119,7 +119,7 @@ def begin_rosenbrock(model, state, settings, arrays):
 
 @kernel
 def choose_rosenbrock(model, state, settings, arrays, remaining):
-    """Return the step to try [s] by accuracy, impacts and stability; note whether it is linearly implicit."""
+    """Return the step to try [s] by accuracy, impacts and stability; set in `trial` whether it is linearly implicit."""
     clock, trial, stable = state.clock[0], arrays.trial[0], _STABILITY_MARGIN * model.stable_step
     wanted = step_limit(state, settings)
     trial.implicit = settings.implicit and clock.explicit_wait <= 0 and wanted > _WORTH * stable
@@ -129,14 +129,14 @@ def choose_rosenbrock(model, state, settings, arrays, remaining):
 
 @kernel
 def attempt_rosenbrock(model, state, settings, arrays, h):
-    """Try a step `h` [s], whose end goes to `stages`; return its error in tolerances, negative if singular."""
+    """Try a step `h` [s] and write its end to `stages`; return its error divided by tolerance, negative if singular."""
     work, stages = arrays.work, arrays.stages
     if arrays.trial[0].implicit:
         error = _STRICTER * attempt_implicit(model, state, stages, arrays.step, work, settings, h)
         if 0.0 <= error <= 1.0:
             copy_into(state.multipliers, stages.multipliers)
         return error
-    # Explicit steps need accelerations that solve the equations of motion.
+    # Explicit steps need accelerations that solve the equations of motion exactly.
     if state.clock[0].acceleration_current != EXACT and not refresh(model, state, stages, work):
         return -1.0
     if not take_stages(model, state, arrays, h):
@@ -149,14 +149,14 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
 
 @kernel
 def adapt_rosenbrock(model, state, settings, arrays, accepted):
-    """Choose when a linearly implicit step is tried next, once the next step's size is set."""
+    """Choose when to try the next linearly implicit step, after the size of the next step is set."""
     clock, trial = state.clock[0], arrays.trial[0]
     if accepted and settings.implicit:
         clock.explicit_wait -= not trial.implicit
         if trial.implicit:
             clock.explicit_patience = 0
         if trial.bound and not trial.last:
-            # The step that accuracy alone would allow.
+            # The stability limit bounds only explicit steps: keep the size that accuracy alone would allow.
             clock.step_size = max(clock.step_size, trial.wanted * growth(_CONTROL, trial.error, 1.0))
     elif trial.implicit and clock.step_size <= _WORTH * (_STABILITY_MARGIN * model.stable_step):
         clock.explicit_patience = min(max(2 * clock.explicit_patience, 4), _LONGEST_WAIT)

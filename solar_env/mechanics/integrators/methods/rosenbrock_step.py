@@ -1,4 +1,4 @@
-"""One step of Rosenbrock's method RODAS, linearly implicit, of order four with an estimate of order three, L-stable.
+"""A step of the Rosenbrock method RODAS, linearly implicit and L-stable, of order four with an estimate of order three.
 
 E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996, sections IV.7 and VI.4,
 doi:10.1007/978-3-642-05221-7. With y' = f(y) and the Jacobian J at the start of the step, stage i solves
@@ -10,9 +10,9 @@ index 1. Eliminating all but the velocities leaves, for every stage, one system 
 
 [[M + gamma h C + (gamma h)^2 K, Phi_q^T], [Phi_q, 0]],
 
-K and C being the tangents of the forces by coordinates and velocities; the rows of the lengths have further terms,
-their own slopes. It is factored once a step, in time that grows linearly with the length of the chain (`profile.py`).
-The stiff vibrations of beams then do not bound the step.
+where K and C are minus the derivatives of the forces by coordinates and velocities. The rows of length constraints also
+have their own derivatives. The matrix is factored once per step, in time that grows linearly with the length of the
+chain of bodies (`profile.py`). Stiff vibrations of beams do not bound the step.
 """
 
 from typing import NamedTuple
@@ -41,7 +41,7 @@ from solar_env.mechanics.numerics.profile import (
 ROSENBROCK_STAGES = 6
 NEVER = -1
 GAMMA = 0.25
-# a_ij and c_ij of stage i; the sixth stage adds the fifth's increment, and the end adds the sixth's.
+# Coefficients a_ij and c_ij of stage i; the sixth stage adds the fifth's increment, the step's end adds the sixth's.
 _A = (
     (0.0, 0.0, 0.0, 0.0, 0.0),
     (1.544, 0.0, 0.0, 0.0, 0.0),
@@ -73,16 +73,16 @@ class LinearStep(NamedTuple):
     v: NDArray[np.float64]
     a: NDArray[np.float64]
     past_velocity: NDArray[np.float64]  # (n,) sum of c_ij u_j / h
-    rate: NDArray[np.float64]  # (n,) rates of the coordinates, without the increment in hand
+    rate: NDArray[np.float64]  # (n,) rates of the coordinates, without the increment of the present stage
     multipliers: NDArray[np.float64]  # (m + bodies,)
     unknowns: NDArray[np.float64]  # (blocks, BLOCK)
-    factor: NDArray[np.float64]  # (blocks, BLOCK) vector of a product
+    factor: NDArray[np.float64]  # (blocks, BLOCK) vector to multiply by a matrix
     product: NDArray[np.float64]  # (blocks, BLOCK)
-    linearized: NDArray[np.int64]  # (1,) number of the accepted step whose end the tangents belong to, or NEVER
+    linearized: NDArray[np.int64]  # (1,) number of accepted steps at which the tangents were computed, or NEVER
 
 
 def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
-    """Allocate the arrays of a linearly implicit step and fill the constant ones."""
+    """Allocate the arrays of a linearly implicit step, and fill the mass matrix."""
     n, k = state.q.size, state.multipliers.size
     blocks = model.elimination.first.size
     return LinearStep(
@@ -107,7 +107,7 @@ def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
 
 @kernel
 def add_length_slopes(model, state, a, newton, diagonal):
-    """Add the slopes, by coordinates and velocities, of the lengths' acceleration-level rows d.a + u.u = 0."""
+    """Add the derivatives of the acceleration-level length constraints d.a + u.u = 0 to the stage matrix."""
     q, v, elimination = state.q, state.v, model.elimination
     first = q.size + model.constraints.size.size
     for b in range(model.bodies.size):
@@ -122,7 +122,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
 
 @kernel
 def set_stage(state, stages, step, s, h):
-    """Compute coordinates, velocities, accelerations and multipliers at stage `s`, and its terms from past stages."""
+    """Compute coordinates, velocities, accelerations, multipliers and past-stage sums at the start of stage `s`."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
     copy_into(q, state.q)
     copy_into(v, state.v)
@@ -149,7 +149,7 @@ def set_stage(state, stages, step, s, h):
 
 @kernel
 def solve_stage(model, state, stages, step, s, force, diagonal):
-    """Compute the increments of stage `s` for the applied `force` (n,) at its values."""
+    """Solve for the increments of stage `s`; `force` (n,) is the applied force at the stage's `step.q` and `step.v`."""
     elimination, position = model.elimination, model.elimination.position
     n, rows = state.q.size, model.constraints.size.size
     x, factor, product = step.unknowns, step.factor, step.product
@@ -188,7 +188,7 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
 
 @kernel
 def border_length(state, start_a, step, k, row, position, diagonal):
-    """Enter a rigid body's length, and its multiplier's force beyond the linear part, in a right-hand side."""
+    """Enter a length constraint, and the nonlinear part of its multiplier's force, in the stage's right-hand side."""
     q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
     multiplier, start = step.multipliers[row], state.multipliers[row]
     square = diagonal * diagonal
@@ -208,7 +208,7 @@ def border_length(state, start_a, step, k, row, position, diagonal):
 
 @kernel(inlined=False)
 def evaluate_forces(model, joint_states, q, v, work):
-    """Call `system.applied_forces`, which would take long to compile if it were inlined at every place."""
+    """Compute forces like `system.applied_forces`, without being inlined, which would take long to compile."""
     applied_forces(model, joint_states, q, v, work)
 
 
@@ -216,8 +216,8 @@ def evaluate_forces(model, joint_states, q, v, work):
 def take_contacts_from_ends(joints, power, gain, h):
     """Replace Simpson's rule by the trapezoidal rule in the integrals of contacts.
 
-    The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step:
-    the solution has this depth at its ends, but its interpolant does not have it in between.
+    The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step.
+    The solution resolves the depth at the step's ends, but the interpolant does not resolve it in between.
     """
     for j in range(joints.size):
         if joints[j].kind == m.CLEARANCE:
@@ -228,7 +228,7 @@ def take_contacts_from_ends(joints, power, gain, h):
 
 @kernel
 def estimate_error(model, state, stages, step, settings):
-    """Return the greatest component of the error estimate, which is the last increment, in units of the tolerance."""
+    """Return the greatest component of the error estimate (the last stage's increment), divided by the tolerance."""
     last = ROSENBROCK_STAGES - 1
     uq, uv = step.coordinate_increments[last], step.velocity_increments[last]
     v0, v, weights, ratios = state.v, stages.v, model.error_weight, stages.ratios
@@ -242,10 +242,10 @@ def estimate_error(model, state, stages, step, settings):
 
 @kernel(inlined=False)
 def attempt_implicit(model, state, stages, step, work, settings, h):
-    """Try a linearly implicit step `h` [s], whose end goes to `stages` as in `runge_kutta.take_stages`.
+    """Try a linearly implicit step `h` [s]; write its end to `stages`, as `runge_kutta.take_stages` does.
 
     Returns:
-        The error in units of the tolerance; negative if the constraints are singular.
+        The step's error divided by the tolerance; negative if the constraints are singular.
     """
     time = state.clock[0].time
     diagonal = GAMMA * h
@@ -274,7 +274,7 @@ def attempt_implicit(model, state, stages, step, work, settings, h):
         stages.q[i] = step.q[i] + step.coordinate_increments[last, i]
         stages.v[i] = step.v[i] + step.velocity_increments[last, i]
         end[i] = step.a[i] + step.acceleration_increments[last, i]
-    # Simpson's rule for the integrals, with the interpolated state in the middle.
+    # Simpson's rule gives the integrals, with the interpolated state in the middle of the step.
     power, middle, gain = stages.power, stages.power[1], stages.gain
     hermite_state(state, stages, h, 0.5)
     evaluate_forces(model, state.joints, stages.scratch_q, stages.scratch_v, work)

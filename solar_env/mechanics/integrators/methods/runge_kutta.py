@@ -2,10 +2,10 @@
 
 Kutta's 3/8 rule of order four with an error estimate of order three that uses the first-same-as-last stage (E. Hairer,
 S. P. Norsett and G. Wanner, Solving Ordinary Differential Equations I, 1993, sections II.1 and II.4,
-doi:10.1007/978-3-540-78862-1). In lasting contact the stiffness of the bearing bounds the step; of the common methods,
-methods with four stages and order four cover the most time per evaluation: their stability interval on the imaginary
-axis, 2 sqrt(2), is nearly as long as four stages allow. Lasting contacts, and with beams the dampers of stops, are
-treated linearly implicitly (`stiff_forces.py`).
+doi:10.1007/978-3-540-78862-1). In lasting contact the bearing's stiffness bounds the step. Of the common methods, the
+methods with four stages and order four then cover the most time per evaluation: their stability interval on the
+imaginary axis, 2 sqrt(2), is nearly as long as four stages allow. Lasting contacts between rigid bodies, and the
+dampers of stops on beams, are treated linearly implicitly (`stiff_forces.py`).
 """
 
 from typing import NamedTuple
@@ -24,7 +24,7 @@ from solar_env.mechanics.numerics.linear import copy_into, greater
 
 STAGES = 5
 _NODES = (0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 1.0)
-# Row s: weights of the stages before s; the last row is the method's own, whose end is the next step's first stage.
+# Row s has the weights of the stages before s; the last row gives the step's end, which is the next step's first stage.
 _COUPLING = (
     (0.0, 0.0, 0.0, 0.0),
     (1.0 / 3.0, 0.0, 0.0, 0.0),
@@ -32,25 +32,25 @@ _COUPLING = (
     (1.0, -1.0, 1.0, 0.0),
     (0.125, 0.375, 0.375, 0.125),
 )
-# The one combination of the five stages, up to its scale, that vanishes to third order. It also measures the error of
-# integrals, to which estimates from the last two stages alone are blind.
+# Weights of the error estimate: the only combination of the five stages, up to a factor, that vanishes to third order.
+# The estimate includes the error of integrals, unlike estimates from the last two stages alone.
 _ERROR = tuple(weight / 40.0 for weight in (-1.0, 3.0, -3.0, -3.0, 4.0))
 
-# Share of a lasting contact's depth by which a step may be off. The depth is some nanometres: with a tolerance of
-# positions alone a step could press the contact with a hundred times its force.
+# Fraction of a lasting contact's depth by which a step may err. The depth is some nanometres: with a position tolerance
+# alone, a step could cause a hundred times the contact's force.
 _DEPTH_ERROR = 0.01
 
-# Integrals that enter the energy book, and with it the error norm.
+# Integrals that enter the energy balance, and therefore the error norm.
 BOOKED_ENERGIES = (m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, *(law.integral for law in TORQUES if law.book))
 
 
 class StiffForces(NamedTuple):
-    """The stiff forces of the step in hand (`stiff_forces.py`); the first entries of each array are in use."""
+    """Stiff forces of the current step (`stiff_forces.py`); the first `active` entries of each array are in use."""
 
     joint: NDArray[np.int64]  # (joints,) indices
     stiffness: NDArray[np.float64]  # (joints,) along the gradient; 0 for a stop, whose damping alone is stiff
     damping: NDArray[np.float64]  # (joints,)
-    shares: NDArray[np.float64]  # (joints, 2) of the stop and of the damper in the damping; friction has the rest
+    shares: NDArray[np.float64]  # (joints, 2) fractions of stop and of damper in the damping; friction has the rest
     resistance: NDArray[np.float64]  # (joints,) damping plus the part that the stiffness adds in a stage
     gradient: NDArray[np.float64]  # (joints, n) of angle or depth
     response: NDArray[np.float64]  # (joints, n) accelerations by a unit force
@@ -71,7 +71,7 @@ class StiffForces(NamedTuple):
 
 
 def make_stiff_forces(state: State) -> StiffForces:
-    """Allocate the arrays of the stiff forces."""
+    """Allocate the arrays for at most one stiff force per joint."""
     n, k, joints = state.q.size, state.integrals.size, state.joints.size
     return StiffForces(
         joint=np.zeros(joints, dtype=np.int64),
@@ -100,7 +100,7 @@ def make_stiff_forces(state: State) -> StiffForces:
 
 @kernel
 def restore_ends(v0, stages, stiff):
-    """Undo the correction for stiff forces at both ends: interpolant and further steps take uncorrected values."""
+    """Undo the stiff-force correction at both step ends: the interpolant and later steps use uncorrected values."""
     velocity, acceleration, power = stages.velocity, stages.acceleration, stages.power
     copy_into(velocity[0], v0)
     copy_into(acceleration[0], stiff.start)
@@ -112,7 +112,7 @@ def restore_ends(v0, stages, stiff):
 
 @kernel
 def take_stages(model, state, arrays, h):
-    """Fill the stages of a step `h`, its end going to `stages.q`, `.v` and `.gain`. False if singular."""
+    """Compute the stages of a step `h` [s], and its end in `stages.q`, `.v` and `.gain`; return False if singular."""
     work, stages, stiff = arrays.work, arrays.stages, arrays.stiff
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
@@ -158,7 +158,7 @@ def take_stages(model, state, arrays, h):
 
 @kernel
 def contact_error(model, arrays, stiff, h):
-    """Return the greatest error of a lasting contact's depth in units of its tolerance, a share of the depth itself."""
+    """Return the greatest depth error of lasting contacts, divided by its tolerance, a fraction of the depth."""
     worst, stages = 0.0, arrays.stages
     for c in range(stiff.active[0]):
         if stiff.stiffness[c] > 0.0:
@@ -172,7 +172,7 @@ def contact_error(model, arrays, stiff, h):
 
 @kernel
 def error_norm(model, state, arrays, rtol, velocity_scale, h):
-    """Return the greatest component of the error estimate in units of the tolerance."""
+    """Return the greatest component of an explicit step's error estimate, divided by the tolerance."""
     stages, stiff = arrays.stages, arrays.stiff
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
     e0, e1, e2, e3, e4 = _ERROR

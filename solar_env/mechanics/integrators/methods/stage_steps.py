@@ -1,4 +1,4 @@
-"""Methods in stages as the run loop meets them: the motion inside a step, its acceptance, samples and force peaks.
+"""Run-loop kernels of methods with stages: the motion inside a step, its acceptance, samples and force peaks.
 
 Constraints are enforced on the acceleration level and by projection of every accepted step.
 """
@@ -30,7 +30,7 @@ _PEAK_SAMPLES = 8
 
 @kernel
 def fill_rows(model, work):
-    """Fill a workspace's rows and columns of a model's constraints."""
+    """Fill a workspace's constraint rows and columns from a model."""
     for r in range(work.row_value.shape[0]):
         copy_into(work.row_value[r], model.constraints.value[r])
     fill_columns(model, work, False)
@@ -38,7 +38,7 @@ def fill_rows(model, work):
 
 @kernel
 def measure_depths(model, state, motion):
-    """Fill penetration and its rate at the accepted state, for every clearance joint."""
+    """Fill `motion` with every clearance joint's penetration [m] and its rate [m/s] at the accepted state."""
     for j in range(model.joints.size):
         joint = model.joints[j]
         if joint.kind == CLEARANCE:
@@ -47,17 +47,17 @@ def measure_depths(model, state, motion):
 
 @kernel
 def take_loads(loads, motion):
-    """Fill angles, rates and forces of the joints from the table of loads (joints, LOAD_COLUMNS) at the state."""
+    """Fill `motion` with joint angles, rates and forces from the joint-load table (joints, LOAD_COLUMNS)."""
     for j in range(motion.size):
         motion[j].angle, motion[j].rate, motion[j].force = loads[j, ANGLE], loads[j, RATE], loads[j, NORMAL]
 
 
 @kernel(inlined=False)
 def begin_stages(model, state, settings, arrays):
-    """Prepare a call, from the accelerations of the last one where they hold; False if constraints are singular.
+    """Prepare a call, with the last call's accelerations if still valid; return False if constraints are singular.
 
-    Stages are cleared: a stage that a step has not reached yet enters with weight zero, which does not remove a value
-    that is not finite.
+    The stages are cleared: a stage that a step has not reached yet enters with weight zero, but zero times a value that
+    is not finite would not be zero.
     """
     work, stages, clock = arrays.work, arrays.stages, state.clock[0]
     for array in (stages.velocity, stages.acceleration, stages.power):
@@ -84,7 +84,7 @@ def begin_stages(model, state, settings, arrays):
 
 @kernel
 def depth_in_stages(model, state, arrays, j, h, share):
-    """Return the penetration [m] of joint `j` at a share of the step."""
+    """Return the penetration [m] of joint `j` at the fraction `share` of the step `h` [s]."""
     if share == 0.0:
         return arrays.motion[j].depth
     return hermite_depth(model.joints[j], model.markers, state, arrays.stages, h, share)
@@ -92,7 +92,7 @@ def depth_in_stages(model, state, arrays, j, h, share):
 
 @kernel
 def angle_in_stages(model, state, arrays, j, h, share):
-    """Return the angle [rad] of joint `j` at a share of the step."""
+    """Return the angle [rad] of joint `j` at the fraction `share` of the step `h` [s]."""
     if share == 1.0:
         return arrays.work.loads[j, ANGLE]
     hermite_state(state, arrays.stages, h, share)
@@ -102,7 +102,7 @@ def angle_in_stages(model, state, arrays, j, h, share):
 
 @kernel(inlined=False)
 def sample_stages(model, state, settings, arrays, recorder, h, share):
-    """Store one row at a share of the step."""
+    """Record a sample at the fraction `share` of the step `h` [s], on the step's interpolant."""
     stages, scratch = arrays.stages, arrays.scratch
     hermite_state(state, stages, h, share)
     if arrays.trial[0].stiff_contacts:
@@ -116,7 +116,7 @@ def sample_stages(model, state, settings, arrays, recorder, h, share):
 
 @kernel(inlined=False)
 def refine_peak(model, state, stages, j, h, share):
-    """Raise the force maxima of joint `j` to the peak inside the step: sampled, then a parabola through the top."""
+    """Raise the force maxima of joint `j` to the peak inside the step, from samples and a parabola through the top."""
     joint, joint_state, markers = model.joints[j], state.joints[j], model.markers
     peak, before, here = 0.0, 0.0, 0.0
     for k in range(_PEAK_SAMPLES + 1):
@@ -132,11 +132,11 @@ def refine_peak(model, state, stages, j, h, share):
 
 @kernel
 def refine_peaks(model, state, arrays, h, share):
-    """Find the force peaks inside the step: where a penetration has turned from growing to falling.
+    """Find force peaks inside the step, in contacts whose penetration has turned from growing to falling.
 
-    Lasting contacts are left out in steps that are linearly implicit or corrected for stiff contacts: their interpolant
-    has depths that never were, see `rosenbrock_step.take_contacts_from_ends` and
-    `stages.interpolate_without_accelerations`, and forces up to a thousand times the real ones.
+    Lasting contacts are left out in steps that are linearly implicit or corrected for stiff contacts. Such a step's
+    interpolant has false depths, see `rosenbrock_step.take_contacts_from_ends` and
+    `stages.interpolate_without_accelerations`, and forces up to a thousand times the real forces.
     """
     coarse, stages = arrays.trial[0].implicit or arrays.trial[0].stiff_contacts, arrays.stages
     for j in range(model.joints.size):
@@ -150,12 +150,12 @@ def refine_peaks(model, state, arrays, h, share):
 
 @kernel
 def complete_nothing(model, state, settings, arrays, h):
-    """Do nothing: the end of the step is complete."""
+    """Do nothing: the attempt has already filled the end of the step."""
 
 
 @kernel
 def commit_stages(model, state, settings, arrays, h, share):
-    """Take over the state at a share of the step, with the integrals up to there; False if constraints are singular."""
+    """Accept state and integrals at the fraction `share` of the step; return False if constraints are singular."""
     stages, integrals, end = arrays.stages, state.integrals, state.clock[0].time + share * h
     if share < 1.0:
         hermite_state(state, stages, h, share)
@@ -177,7 +177,7 @@ def commit_stages(model, state, settings, arrays, h, share):
 
 @kernel
 def evaluate_stages(model, state, arrays, changed):
-    """Fill the first stage of the next step: the last of this one, or anew where an event has `changed` the forces."""
+    """Fill the next step's first stage from this step's last stage, or anew if an event has `changed` the forces."""
     stages, clock = arrays.stages, state.clock[0]
     if changed:
         if not refresh(model, state, stages, arrays.work):
@@ -201,7 +201,7 @@ def resume_stages(model, state, arrays):
 
 @kernel
 def open_contact(model, state, arrays, j):
-    """Return the inverse mass [1/kg] that joint `j` feels along its line of centres at the accepted state."""
+    """Return the inverse effective mass [1/kg] of joint `j` along its line of centres at the accepted state."""
     scratch, joint = arrays.scratch, model.joints[j]
     scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, model.markers, state.q)
     return normal_inverse_mass(model, state.q, state.v, j, scratch)
@@ -209,7 +209,7 @@ def open_contact(model, state, arrays, j):
 
 @kernel
 def contact_arcs(model, state, arrays, j):
-    """Return the arcs (middle, half) [rad] along which journal and bearing slid: points at the end of a short step."""
+    """Return the contact arcs (middle, half) [rad] on journal and bearing; half is zero, because steps are short."""
     joint, markers, loads = model.joints[j], model.markers, arrays.work.loads
     ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
     journal = vector_angle(markers[joint.outboard], state.q, ex, ey)

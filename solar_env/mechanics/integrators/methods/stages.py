@@ -1,7 +1,7 @@
-"""The step in hand of a method in stages: derivatives, end, and Hermite's interpolant between start and end.
+"""Current step of a method with stages: derivatives, end, and the Hermite interpolant between start and end.
 
-Row 0 of the stage arrays holds the derivatives at the step's start, the last row those at its end, whatever the method.
-Between the ends positions follow the quintic and velocities the cubic Hermite polynomial through all values at the ends
+In every method, row 0 of the stage arrays holds the derivatives at the step's start, and the last row the derivatives
+at its end. In between, positions follow the quintic and velocities the cubic Hermite polynomial through all end values
 (E. Hairer, S. P. Norsett and G. Wanner, Solving Ordinary Differential Equations I, 1993, section II.6,
 doi:10.1007/978-3-540-78862-1).
 """
@@ -20,7 +20,7 @@ from solar_env.mechanics.numerics.linear import copy_into
 
 
 class Stages(NamedTuple):
-    """Stage derivatives of the step in hand, its end, and scratch."""
+    """Stage derivatives and end of the current step, and work arrays."""
 
     velocity: NDArray[np.float64]  # (stages, n)
     acceleration: NDArray[np.float64]  # (stages, n)
@@ -34,11 +34,11 @@ class Stages(NamedTuple):
     integrals: NDArray[np.float64]  # interpolated integrals
     energies: NDArray[np.float64]  # (ENERGIES,)
     ratios: NDArray[np.float64]  # (n,) error divided by tolerance
-    multipliers: NDArray[np.float64]  # (m + bodies,) scratch; after a linearly implicit step, at its end
+    multipliers: NDArray[np.float64]  # (m + bodies,) work array; multipliers at the end of a linearly implicit step
 
 
 def make_stages(state: State, rows: int) -> Stages:
-    """Allocate the arrays of a step of `rows` stages, the derivatives at its end included."""
+    """Allocate the arrays of a step with `rows` stages, including the stage at the step's end."""
     n, k = state.q.size, state.integrals.size
     return Stages(
         velocity=np.zeros((rows, n)),
@@ -59,14 +59,14 @@ def make_stages(state: State, rows: int) -> Stages:
 
 @kernel
 def set_impact_speeds(joint_states, impact_speeds):
-    """Fill (joints,) with the impact speeds of the contacts under way, and zeros for free journals."""
+    """Fill `impact_speeds` (joints,) [m/s] for journals in contact, and with zeros for free journals."""
     for j in range(joint_states.size):
         impact_speeds[j] = joint_states[j].impact_speed if joint_states[j].in_contact else 0.0
 
 
 @kernel(inlined=False)
 def refresh(model, state, stages, work):
-    """Evaluate the first stage at the accepted state, with its contact modes. False if constraints are singular."""
+    """Evaluate the first stage at the accepted state, with its contact modes; False if constraints are singular."""
     set_impact_speeds(state.joints, work.impact_speeds)
     clock = state.clock[0]
     regular = accelerations(
@@ -89,7 +89,7 @@ def refresh(model, state, stages, work):
 
 @kernel
 def quintic_weights(s):
-    """Return the weights at share `s` of position, velocity * h, acceleration * h^2 of the start, then of the end."""
+    """Return quintic Hermite weights at fraction `s` of position, velocity * h, acceleration * h^2: start, then end."""
     s3 = s * s * s
     end = s3 * (10.0 - s * (15.0 - 6.0 * s))
     return (
@@ -104,14 +104,14 @@ def quintic_weights(s):
 
 @kernel
 def cubic_weights(s):
-    """Return the weights of value and slope * h at the start, then at the end, at the share `s`."""
+    """Return cubic Hermite weights at fraction `s` of a step: of value and slope * h at its start, then at its end."""
     end = s * s * (3.0 - 2.0 * s)
     return 1.0 - end, s * (1.0 - s) * (1.0 - s), end, s * s * (s - 1.0)
 
 
 @kernel(inlined=False)
 def hermite_state(state, stages, h, share):
-    """Fill `stages.scratch_q` and `stages.scratch_v` with the state at `share` of the step."""
+    """Fill `stages.scratch_q` and `.scratch_v` with the interpolated state at the fraction `share` of the step."""
     q0, v0, q1, v1 = state.q, state.v, stages.q, stages.v
     acceleration, q, v = stages.acceleration, stages.scratch_q, stages.scratch_v
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
@@ -124,7 +124,7 @@ def hermite_state(state, stages, h, share):
 
 @kernel
 def hermite_depth(joint, markers, state, stages, h, share):
-    """Return the penetration [m] of a joint at `share`: its eccentricity, linear in q, is interpolated alone."""
+    """Return a joint's penetration [m] at `share` of the step, from interpolating only the joint's eccentricity."""
     acceleration = stages.acceleration
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
     ex0, ey0 = relative(joint, markers, state.q)
@@ -140,10 +140,10 @@ def hermite_depth(joint, markers, state, stages, h, share):
 
 @kernel
 def interpolate_without_accelerations(state, stages, h, share):
-    """Fill `stages.scratch_q` at `share` of the step from coordinates and velocities at its ends alone.
+    """Fill `stages.scratch_q` at `share` of the step from coordinates and velocities at the step's ends alone.
 
-    For steps that were corrected for stiff contacts: accelerations at the ends differ from those between, and a share
-    of them would press a lasting contact, some nanometres deep, open or shut.
+    Use it for steps corrected for stiff contacts. Their end accelerations, which differ from the accelerations in
+    between, would open or overload a lasting contact of only some nanometres depth.
     """
     q0, v0, q1, v1, q = state.q, state.v, stages.q, stages.v, stages.scratch_q
     c0, c1, d0, d1 = cubic_weights(share)
@@ -153,7 +153,7 @@ def interpolate_without_accelerations(state, stages, h, share):
 
 @kernel
 def hermite_integrals(state, stages, h, share):
-    """Compute the integrals at `share` of the step, into `stages.integrals`."""
+    """Fill `stages.integrals` with the running integrals at the fraction `share` of the step."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
     _, start, whole, end = cubic_weights(share)
     for k in range(integrals.size):

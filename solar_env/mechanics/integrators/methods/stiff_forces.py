@@ -2,18 +2,18 @@
 
 The end slope of a beam element has next to no inertia, so that a latch's damper slows it within microseconds; a journal
 that rests in its bearing could vibrate on the contact's stiffness within milliseconds. Explicit steps would have to
-follow, whether anything moves or not. But this stiffness has a known shape. Let g be the gradient of the stop's angle
-or the contact's depth, w the accelerations by a unit force with its friction, k and c stiffness and damping: the
-Jacobian's stiff part A maps velocities u and accelerations a to the accelerations - w (k g.u + c g.a) and, for
-contacts, the accelerations' part along g to velocities. A W-method (T. Steihaug and A. Wolfbrandt, Math. Comput. 33
-(1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) takes it in,
+resolve these times even if nothing moves. However, the stiff part A of the Jacobian is known. Let g be the gradient of
+the stop's angle or of the contact's depth, w the accelerations by a unit force with its friction, and k and c stiffness
+and damping. A turns velocities u and accelerations a into the accelerations - w (k g.u + c g.a) and, for contacts, the
+accelerations' part along g into velocities. A W-method (T. Steihaug and A. Wolfbrandt, Math. Comput. 33 (1979) 521,
+doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
 
 k_i = f(y + h sum_j alpha_ij k_j) + h A sum_j gamma_ij k_j + h gamma_i r,
 
-with a system of equations for every stage, one unknown per force: its rate of change. With A = 0 it is the Runge-Kutta
-method itself. In the last term (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996, section
-IV.7, doi:10.1007/978-3-642-05221-7), which contacts need, r is the rate of change of f that A leaves out: the force
-that a contact must balance moves with everything else.
+which needs a system of equations in every stage, with each stiff force's rate of change as an unknown. With A = 0 the
+method is the Runge-Kutta method itself. Contacts need the last term (E. Hairer and G. Wanner, Solving Ordinary
+Differential Equations II, 1996, section IV.7, doi:10.1007/978-3-642-05221-7). In it r is the rate of change of f that A
+leaves out, because the force that a contact must balance changes with the motion of all bodies.
 """
 
 import numpy as np
@@ -29,9 +29,9 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
 from solar_env.mechanics.records.history import IMPACT_DURATIONS
 
-# gamma_ij on and below the diagonal, for the stages of Kutta's 3/8 rule and for the one that only the error estimate
-# uses. They give order 3 for any A, to the embedded estimate as well, and order 4 for linear equations with the
-# Jacobian A, whose vibrations decay at every step size (A-stable; to a third per step at infinity).
+# gamma_ij on and below the diagonal, for the stages of Kutta's 3/8 rule and for the stage that only the error estimate
+# uses. Method and embedded estimate have order 3 for any A. For linear equations with the Jacobian A the method has
+# order 4 and is A-stable: vibrations decay at every step size, infinitely fast ones to a third per step.
 DIAGONAL = 0.5
 COUPLING = (
     (0.0, 0.0, 0.0, 0.0),
@@ -40,10 +40,10 @@ COUPLING = (
     (1.5, 1.5, -3.0, 0.0),
     (1.875, -0.375, -1.125, -0.375),
 )
-# Below this product of step and decay rate, or of step and angular frequency, the explicit method needs no help.
+# Products of step and decay rate, or of step and angular frequency, below which explicit steps need no correction.
 _STIFF_DAMPING = 0.3
 _STIFF_CONTACT = 2.4
-# Share of the step over which the rate of change is measured.
+# Fraction of the step over which `measure_rest` takes a difference.
 _PROBE = 0.1
 
 
@@ -67,7 +67,7 @@ def past_sum(values, stage, i):
 
 @kernel
 def contact_directions(joint, markers, q, v, gradient, force):
-    """Write the gradient of a contact's depth and the generalized force of a unit opening force with its friction."""
+    """Add a contact depth's gradient to `gradient`; fill `force` with minus the contact force at unit normal force."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
@@ -86,7 +86,7 @@ def contact_directions(joint, markers, q, v, gradient, force):
 
 @kernel
 def lasts(joint_state, time):
-    """Return whether a joint is in contact and its impact, which has shorter steps, is over."""
+    """Return whether a joint's contact lasts: whether its impact, with short steps of its own, is over."""
     return (
         joint_state.in_contact != 0
         and time - joint_state.contact_start >= IMPACT_DURATIONS * joint_state.contact_duration
@@ -95,7 +95,7 @@ def lasts(joint_state, time):
 
 @kernel
 def may_be_stiff(model, state):
-    """Return whether some force could be stiff; the check costs next to nothing."""
+    """Return whether any joint's force could be stiff at the state; the check costs next to nothing."""
     flexible, time, found = model.flexible != 0, state.clock[0].time, False
     joint_states = state.joints
     for j in range(joint_states.size):
@@ -106,14 +106,14 @@ def may_be_stiff(model, state):
 
 @kernel
 def collect(model, state, work, stiff, h):
-    """Enter the forces that are stiff over a step `h`; return their number, and whether contacts are among them.
+    """Enter the forces that are stiff over a step `h` [s]; return their number, and whether they are contacts.
 
-    Beams have inertias so small that a stop's damping is stiff, and axial vibrations that bound the step more than
-    a contact does; between rigid bodies it is the other way round.
+    With beams only hinge damping counts: the beams' small inertias make hinge damping stiff, and their axial vibrations
+    bound the step more than contacts do. Between rigid bodies only lasting contacts count.
     """
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
     flexible = model.flexible != 0
-    # Typed: for a literal Numba would compile the functions that take it twice.
+    # Typed: for a literal Numba would compile functions with this argument twice.
     count, prepared = np.int64(0), False
     for j in range(joints.size):
         joint, joint_state = joints[j], state.joints[j]
@@ -158,7 +158,7 @@ def collect(model, state, work, stiff, h):
 
 @kernel
 def separate_motions(stiff, count):
-    """Combine the responses to motions along one gradient each; return False if the gradients depend on each other."""
+    """Fill `stiff.motion` with a motion along each gradient alone; return False if gradients are linearly dependent."""
     if not lu_factor(stiff.matrix, count):
         return False
     for k in range(count):
@@ -176,7 +176,7 @@ def separate_motions(stiff, count):
 
 @kernel
 def measure_rest(model, state, work, stiff, count, start, h):
-    """Fill how fast accelerations `start` (n,) change beyond A, by a difference along the motion; False if singular."""
+    """Fill `stiff.rest`, the accelerations' rate of change without stiff forces, by a difference; False if singular."""
     q, v, time = state.q, state.v, state.clock[0].time
     delta = _PROBE * h
     q1, v1, rest = stiff.probe_q, stiff.probe_v, stiff.rest
@@ -198,10 +198,10 @@ def measure_rest(model, state, work, stiff, count, start, h):
 
 @kernel
 def begin_step(model, state, work, stiff, start, h):
-    """Prepare the treatment of the forces that are stiff over a step `h`; return their number.
+    """Prepare the correction for forces that are stiff over a step `h`; return the number of these forces.
 
     Args:
-        model, state: of the mechanism, at the start of the step.
+        model, state: arrays of the mechanism at the start of the step.
         work: workspace, changed.
         stiff: a `runge_kutta.StiffForces`, filled.
         start: (n,) accelerations at the start of the step.
@@ -226,7 +226,7 @@ def begin_step(model, state, work, stiff, start, h):
 
 @kernel
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
-    """Correct the velocities, accelerations and powers of a stage to the W-method's derivatives."""
+    """Correct the velocities, accelerations and powers of a stage to the stage derivatives of the W-method."""
     count = stiff.active[0]
     force_rate, right, a = stiff.force_rate, stiff.force_rate[stage], acceleration[stage]
     share = DIAGONAL
@@ -253,7 +253,7 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
         if stiff.stiffness[i] > 0.0:
             add_force_to_powers(power[stage], first, force)
         else:
-            # Stop and damper dissipate with the torque that the step takes, not with the torque at the stage's speed.
+            # Stop and damper dissipate with the torque that the step uses, not with the torque at the stage's speed.
             taken = force * product(stiff.gradient[i], velocity[stage])
             stop, damper = stiff.shares[i, 0], stiff.shares[i, 1]
             power[stage, first + m.LATCH_DISSIPATION] += stop * taken
@@ -269,7 +269,7 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
 
 @kernel
 def add_force_to_powers(power, first, force):
-    """Add a `force` [N] to a contact's normal force, which stays compressive; scale the proportional powers."""
+    """Add `force` [N] to a contact's compressive normal force, by scaling the powers proportional to that force."""
     normal = power[first + m.IMPULSE]
     if normal > 0.0:
         scale = max(1.0 + force / normal, 0.0)

@@ -1,7 +1,7 @@
-"""The table of methods: a row each, from which runs, batches, warm-up and tests follow.
+"""Table of the integration methods, from which runs, batches, warm-up and tests follow.
 
-A method is one module with its settings, its scratch arrays and its kernels. The settings' type tells the compiler at
-compile time which kernels a run calls: `attempt_of(settings)(...)`. The formulation tells the arrays of a run.
+A method is one module with its settings, its work arrays and its kernels. At compile time the type of the settings
+selects the kernels that a run calls: `attempt_of(settings)(...)`. The formulation determines the arrays of a run.
 """
 
 from collections.abc import Callable
@@ -20,14 +20,14 @@ from solar_env.mechanics.numerics.by_type import chosen_by_type
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.step_size import StepController
 
-Chosen = Any  # one of the settings' classes of `settings.py`
-# How steps land on events: not at all, at a share of the step that is interpolated, or by solving a shorter step.
+Chosen = Any  # an instance of a settings class in `settings.py`
+# How steps end at events: not at all, at an interpolated fraction of the step, or by solving a shorter step.
 NOT_AT_ALL, AT_SHARE, BY_SOLVING_AGAIN = range(3)
 
 
 @kernel
 def note_no_peaks(model, state, arrays, h, share):
-    """Do nothing: force maxima are those at the ends of steps."""
+    """Do nothing: force maxima are taken only at the ends of steps."""
 
 
 @kernel
@@ -37,36 +37,36 @@ def resume_nothing(model, state, arrays):
 
 @kernel
 def adapt_nothing(model, state, settings, arrays, accepted):
-    """Do nothing: the method has no choice between steps."""
+    """Do nothing: the method has only one kind of step."""
 
 
 @dataclass(frozen=True)
 class Kernels:
-    """Kernels that a method offers to the run loop (`run.py`), which passes their arguments.
+    """Kernels that a method provides to the run loop (`run.py`), which calls them.
 
-    `arrays` are the method's, with `trial` and `motion` (`arrays/trial.py`) among them; `h` is the size of the step in
-    hand [s], `share` a place in it from 0 to 1.
+    Of their arguments, `arrays` are the method's work arrays, including `trial` and `motion` (`arrays/trial.py`), `h`
+    is the size of the current step [s], and `share` is a fraction of the step from 0 to 1.
 
     Attributes:
         begin: prepares the arrays for a call, fills `motion` and a first step size; False if constraints are singular.
-        choose: step to try [s] by accuracy, impacts and the settings, with `remaining` time in the call [s].
-        attempt: tries a step from the unchanged accepted state; its error in units of the tolerance, negative if
-            constraints are singular. In `trial`, it may name a step to try after a refused one. A step that was cut has
-            no error of its own.
-        complete: fills what samples and the acceptance need beyond what the attempt left.
-        sample: stores a row of the record.
-        commit: moves the state to a share of the step and fills depths and their rates in `motion`; False if
+        choose: returns the step to try [s] by accuracy, impacts and settings; `remaining` is the time left in the call.
+        attempt: tries a step without changing the accepted state; returns the error divided by the tolerance, negative
+            if constraints are singular. It may set in `trial` the step to try after a rejection. The run loop derives
+            no step size from the error of a shortened step.
+        complete: fills the quantities that samples and acceptance need and the attempt has not filled.
+        sample: records a sample at a fraction of the step.
+        commit: moves the state to a fraction of the step and fills depths and their rates in `motion`; False if
             constraints are singular.
         evaluate: fills the rest of `motion` at the accepted state, whose forces an event may have `changed`.
-        open_contact: inverse mass [1/kg] that a joint feels as its contact begins.
-        contact_arcs: arcs along which the line of centres has moved in the frames of journal and bearing: middle and
-            half of each [rad].
-        depth, angle: penetration [m] and angle [rad] of a joint at a share of the step.
-        landing: how steps land on events.
-        control: the controller of the step size, without effect on a fixed step.
-        note_peaks: raises the force maxima to those inside the step.
+        open_contact: returns a joint's inverse effective mass [1/kg] at the start of contact.
+        contact_arcs: returns the arcs along which the line of centres has moved in the frames of journal and bearing,
+            as (middle, half) [rad] each.
+        depth, angle: return the penetration [m] and the angle [rad] of a joint at a fraction of the step.
+        landing: how steps end at events.
+        control: controller of the step size, without effect on a fixed step.
+        note_peaks: raises the force maxima to the peaks inside the step.
         resume: prepares the next step, after the ends of contacts.
-        adapt: changes the method's own choices once the next step's size is set.
+        adapt: changes the method's own choices after the next step's size is set.
     """
 
     begin: Callable
@@ -89,15 +89,15 @@ class Kernels:
 
 @dataclass(frozen=True)
 class Method:
-    """A row of the table.
+    """An integration method, as an entry of the table `METHODS`.
 
     Attributes:
-        order: of convergence, for smooth motion.
-        kernel_settings: type of the settings as the kernels take them; tells the compiler which kernels are meant.
-        convert: converts the settings that a user has chosen to the kernels' types.
-        arrays: allocates the scratch arrays of a thread for a mechanism's model and state.
+        order: order of convergence for smooth motion.
+        kernel_settings: type of the settings that the kernels take; the type selects the kernels at compile time.
+        convert: converts the settings that a user has chosen to `kernel_settings`.
+        arrays: allocates the work arrays of a thread for a mechanism's model and state.
         kernels: kernels that make a step.
-        formulation: of the equations of motion.
+        formulation: formulation of the equations of motion.
     """
 
     order: int
@@ -108,7 +108,7 @@ class Method:
     formulation: Formulation = ABSOLUTE
 
 
-# Controller by proportional and integral control of the error.
+# Step-size controller with proportional and integral control of the error.
 _PROPORTIONAL_INTEGRAL = StepController(float(rosenbrock.ORDER), 0.72, 0.4, 1e-10, 0.1, 10.0, 0.0, 0.0)
 _IN_STAGES = Method(
     rosenbrock.ORDER,
@@ -189,10 +189,10 @@ _BY_TYPE = {method.kernel_settings: method for method in METHODS.values()}
 
 
 def method_of(chosen: Chosen) -> Method:
-    """Return the row of the settings that a user has chosen.
+    """Return the method of the settings that a user has chosen.
 
     Raises:
-        ValueError: if they are no method's settings.
+        ValueError: if no method has settings of this class.
     """
     if type(chosen) not in settings.INTEGRATORS.values():
         names = ", ".join(f"{kind.__name__}(...)" for kind in settings.INTEGRATORS.values())
@@ -201,7 +201,7 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable) -> Callable:
-    """Return a function from kernel settings to `pick` of their method's kernels, resolved at compile time."""
+    """Return a function that gives, for kernel settings, `pick(kernels)` of their method, resolved at compile time."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 

@@ -1,6 +1,6 @@
-"""Torques about a hinge, a module each, and their sum (`hinge.py`).
+"""Torques about a hinge, in one module for each kind, and their sum (`hinge.py`).
 
-A torque is a function of the joint's row, its state, its angle and its rate, which are numbers or vectors of several.
-To add one: a module here, a row in `arrays.columns.TORQUES`, and its lines in `hinge.py`, which all equations of motion
-ask for torques, slopes, energies and powers.
+A torque is a function of a joint's constants, state, angle and rate; angle and rate are numbers or vectors. To add a
+torque, write a module here, an entry of `arrays.columns.TORQUES`, and the calls in `hinge.py`. All formulations of the
+equations of motion take torques, slopes, energies and powers from `hinge.py`.
 """

@@ -1,4 +1,4 @@
-"""All torques about a hinge: their sum, slopes, energies and powers; and torques of cable loops between two hinges."""
+"""Sum, slopes, energies and powers of all torques about a hinge, and torques of cable loops between two hinges."""
 
 from typing import NamedTuple
 
@@ -12,13 +12,13 @@ from solar_env.mechanics.numerics.vectors import sum_lanes
 
 
 class HingeTorques(NamedTuple):
-    """Torques on a joint's angle, without the cable loops'.
+    """Torques on a joint's angle, without the torques of cable loops.
 
     Attributes:
         spring, harness, latch, damping, friction, motor: torques [N m]; `latch` is the torque of all stops.
-        latch_elastic: part of the latch's torque that has an energy [N m].
-        by_angle, by_rate: slopes of their sum [N m/rad], [N m s/rad].
-        latch_by_rate: the latch's part of `by_rate`.
+        latch_elastic: elastic part of `latch` [N m], which stores energy.
+        by_angle, by_rate: slopes of the summed torques by angle [N m/rad] and by rate [N m s/rad].
+        latch_by_rate: part of `by_rate` that belongs to `latch`.
     """
 
     spring: float
@@ -35,7 +35,7 @@ class HingeTorques(NamedTuple):
 
 @kernel
 def hinge_torques(joint, joint_state, angle, rate):
-    """Return the torques of all laws at a joint's angle [rad] and its rate, which are numbers or vectors of several."""
+    """Return the `HingeTorques` at a joint's angle [rad] and rate [rad/s], which are numbers or vectors."""
     spring = joint.spring_stiffness * (joint.spring_preload_angle - angle)
     harness, slope = 0.0 * angle, 0.0 * angle - joint.spring_stiffness
     if joint.spring_points > 0:
@@ -63,19 +63,19 @@ def hinge_torques(joint, joint_state, angle, rate):
 
 @kernel
 def torque_of_motion(torques):
-    """Return the sum of the torques that depend on the motion [N m]: all but the motor's."""
+    """Return the sum [N m] of the torques that depend on the motion: all except the motor's torque."""
     return torques.spring + torques.harness + torques.latch + torques.damping + torques.friction
 
 
 @kernel
 def may_be_stiff(joint, joint_state):
-    """Return whether a torque acts that may be stiff: an engaged stop's, a damper's or dry friction's."""
+    """Return whether the joint has a torque that may be stiff: from an engaged stop, a damper or dry friction."""
     return joint_state.stop_engaged != 0 or joint.damping > 0.0 or joint.friction_torque > 0.0
 
 
 @kernel
 def enter_torques(torques, j, loads):
-    """Enter the torques of joint `j` in the table of loads, without the cable loops', which `enter_cable` adds."""
+    """Write the torques of joint `j` to the table of loads; `enter_cable` adds the cable loops' torques afterwards."""
     loads[j, c.SPRING_TORQUE] = torques.spring
     loads[j, c.HARNESS_TORQUE] = torques.harness
     loads[j, c.CABLE_TORQUE] = 0.0
@@ -87,14 +87,14 @@ def enter_torques(torques, j, loads):
 
 @kernel
 def enter_cable(cable, torque, loads):
-    """Enter the torque [N m] of a cable loop on its outer joint in the table of loads."""
+    """Add a cable loop's torques on its two joints to the table of loads, given the torque on the outer joint [N m]."""
     loads[cable.joint_a, c.CABLE_TORQUE] -= cable.torque_ratio * torque
     loads[cable.joint_b, c.CABLE_TORQUE] += torque
 
 
 @kernel
 def summed_torque(loads, j):
-    """Return the sum of the torques of all laws on joint `j` [N m], from the table of loads."""
+    """Return the sum of all torques on joint `j` [N m] from the table of loads."""
     total = loads[j, c.FIRST_TORQUE]
     for column in range(c.FIRST_TORQUE + 1, c.END_OF_TORQUES):
         total += loads[j, column]
@@ -103,9 +103,9 @@ def summed_torque(loads, j):
 
 @kernel
 def add_torque_powers(torques, rate, weight, j, out):
-    """Add `weight` times the powers of the torques of joint `j`, at a rate [rad/s], to its integrals or their rates.
+    """Add `weight` times the powers of joint `j`'s torques, at a rate [rad/s], to the joint's entries of `out`.
 
-    Of vectors it adds up the lanes.
+    `out` holds the time integrals or their rates. Vectors are summed over their lanes.
     """
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.MOTOR_WORK] += sum_lanes(weight * torques.motor * rate)
@@ -115,7 +115,7 @@ def add_torque_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_resistance_powers(torques, rate, weight, j, out):
-    """Add `weight` times the powers that damper and friction of joint `j` take, as `add_torque_powers` does."""
+    """Add `weight` times the powers that damper and dry friction of joint `j` dissipate; see `add_torque_powers`."""
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.DAMPER_DISSIPATION] -= sum_lanes(weight * torques.damping * rate)
     out[first + m.HINGE_FRICTION_DISSIPATION] -= sum_lanes(weight * torques.friction * rate)
@@ -123,9 +123,9 @@ def add_resistance_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_cable_power(cable, torque, rate, weight, out):
-    """Add `weight` times a cable loop's power, at the inner wheel's rate [rad/s], to the integrals or their rates.
+    """Add `weight` times a cable loop's power, at the inner wheel's rate [rad/s], to the integrals or rates in `out`.
 
-    The power is zero unless the torque ratio differs from the wheel ratio. Of vectors it adds up the lanes.
+    The power is zero if torque ratio and wheel ratio are equal. Vectors are summed over their lanes.
     """
     power = torque * (cable.wheel_ratio - cable.torque_ratio) * rate
     out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += sum_lanes(weight * power)
@@ -133,7 +133,7 @@ def add_cable_power(cable, torque, rate, weight, out):
 
 @kernel
 def add_torque_energies(joint, joint_state, angle, energies):
-    """Add the energies [J] that the torques of a joint store at its angle [rad]."""
+    """Add the energies [J] that springs, harness and stops of a joint store at an angle [rad] to `energies`."""
     stretch = joint.spring_preload_angle - angle
     energies[m.SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
     if joint.spring_points > 0:

@@ -1,7 +1,7 @@
-"""Stops of a hinge: stow stop, latch, end stop without a latch, and hold-down, all with one law.
+"""Stops of a hinge: stow stop, latch, end stop without a latch, and hold-down, all with the same torque law.
 
-BISTOP with STEP damping; a face lies a free play off its angle (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal
-Process. 117 (2019) 188, Eqs 5-7). A latch and a hold-down have two faces, the others one; a hold-down has no play.
+The law is BISTOP with STEP damping (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188, Eqs 5-7).
+Latch and hold-down have two faces, other stops one. A face lies a free play off the stop's angle, 0 for a hold-down.
 """
 
 import math
@@ -12,13 +12,13 @@ from solar_env.mechanics.numerics.vectors import where_less
 
 @kernel
 def one_sided_stop(joint, depth, closing_rate):
-    """Return the resisting torque of one stop face, its elastic part, and its slopes by depth and by closing rate.
+    """Return the torque with which one stop face resists, its elastic part, and its slopes by depth and closing rate.
 
-    The torque is k depth^e plus damping that a cubic STEP ramps in over `stop_ramp_depth`; it never pulls.
+    The torque is k depth^e plus damping that a cubic STEP ramps in over `stop_ramp_depth`; the stop never pulls.
     """
     inside, exponent = where_less(0.0, depth, depth, 0.0), joint.stop_exponent
     growth = joint.stop_stiffness * (1.0 + 0.0 * inside if exponent == 1.0 else inside ** (exponent - 1.0))
-    # Outside a stop that a joint does not have, powers are infinite.
+    # A joint without stops has exponent 0, whose power is infinite: the elastic torque is zero outside.
     elastic, share = where_less(0.0, depth, growth * inside, 0.0), inside / joint.stop_ramp_depth
     ramp = where_less(share, 1.0, share, 1.0)
     damping = joint.stop_damping * ramp * ramp * (3.0 - 2.0 * ramp)
@@ -30,7 +30,7 @@ def one_sided_stop(joint, depth, closing_rate):
 
 @kernel
 def stop_depth(joint, joint_state, angle):
-    """Return the depth [rad] in the stop that is met, negative outside, and the sign of the torque that resists it."""
+    """Return the depth [rad] in the stop that a joint meets, negative outside, and the sign of the stop's torque."""
     if joint_state.held:
         off = angle - joint.stow_angle
         return abs(off), where_less(0.0, off, -1.0, 1.0)
@@ -45,9 +45,9 @@ def stop_depth(joint, joint_state, angle):
 
 @kernel
 def stop_torque(joint, joint_state, angle, rate):
-    """Return the torque of the stops on the joint angle, its elastic part, and its slopes by angle and rate.
+    """Return the stops' torque on the joint angle, its elastic part, and its slopes by angle and rate.
 
-    A stop that is not engaged exerts no torque: within a step of the explicit method this keeps the torque smooth.
+    A stop that is not engaged exerts no torque: the torque is then smooth within a step of the explicit method.
     """
     if not joint_state.stop_engaged:
         nothing = 0.0 * angle
@@ -59,7 +59,7 @@ def stop_torque(joint, joint_state, angle, rate):
 
 @kernel
 def stop_energy(joint, joint_state, angle):
-    """Return the elastic energy [J] of the stops."""
+    """Return the elastic energy [J] of a joint's engaged stop at an angle [rad]."""
     depth, _ = stop_depth(joint, joint_state, angle)
     if depth <= 0.0 or not joint_state.stop_engaged:
         return 0.0

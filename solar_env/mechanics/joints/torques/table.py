@@ -1,8 +1,8 @@
-"""Torques that are tabulated over the angle: springs of any characteristic, and harnesses.
+"""Torques that are tabulated by angle: springs of any characteristic, and harnesses.
 
 A monotone piecewise cubic interpolates the table (F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984)
-300, doi:10.1137/0905021), as SciPy's PCHIP does; beyond its ends the torque goes on along straight lines. As a sum of
-truncated powers it needs no search: a line, and from each knot on a square and a cube.
+300, doi:10.1137/0905021), as SciPy's PCHIP does. Beyond the table's ends the torque continues along straight lines.
+Evaluated as a sum of truncated powers, the cubic needs no search: a line, plus a square and a cube from each knot on.
 """
 
 import numpy as np
@@ -15,9 +15,9 @@ from solar_env.mechanics.numerics.vectors import where_less
 
 
 def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
-    """Return the (TABLE_ROWS, 3) truncated powers of a table of angles [rad] and torques [N m].
+    """Return the truncated powers (TABLE_ROWS, 3) of a table of angles [rad] and torques [N m].
 
-    Row 0 is the line: first angle, torque and slope there; the others are knots: angle, square and cube.
+    Row 0 holds the line (first angle, torque, slope); each other row holds a knot (angle, factors of square and cube).
     """
     compiled = np.zeros((TABLE_ROWS, 3))
     if len(points) == 1:
@@ -28,7 +28,7 @@ def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64
         ends = curve(angles, 1)
         cubes, squares = np.append(curve.c[0], 0.0), np.append(curve.c[1], 0.0)
         compiled[0] = angles[0], torques[0], ends[0]
-        # Each polynomial minus the one before it, which goes on.
+        # Each knot has its polynomial minus the previous polynomial, which continues.
         steps = np.diff(angles, prepend=angles[0])
         before = np.concatenate([[0.0], cubes[:-1]])
         compiled[1 : len(points) + 1, 0] = angles
@@ -39,7 +39,7 @@ def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64
 
 @kernel(inlined=False)
 def table_torque(table, points, angle):
-    """Return the torque [N m] of a compiled table with `points` knots, and its slope by the angle [N m/rad]."""
+    """Return the torque [N m] of a compiled table with `points` knots at an angle [rad], and the slope [N m/rad]."""
     torque, slope = table[0, 1] + table[0, 2] * (angle - table[0, 0]), table[0, 2] + 0.0 * angle
     for k in range(1, points + 1 if points > 1 else 1):
         beyond = angle - table[k, 0]
@@ -50,7 +50,7 @@ def table_torque(table, points, angle):
 
 
 def steepest_slope(points: tuple[tuple[float, float], ...]) -> float:
-    """Return the greatest magnitude of the slope of a table's curve [N m/rad]."""
+    """Return the greatest slope magnitude [N m/rad] of the curve through a torque table."""
     if len(points) < 2:
         return 0.0
     angles = np.linspace(points[0][0], points[-1][0], 500)
@@ -59,7 +59,7 @@ def steepest_slope(points: tuple[tuple[float, float], ...]) -> float:
 
 @kernel(inlined=False)
 def table_energy(table, points, angle):
-    """Return a table's energy [J] at an angle [rad]: minus the torque's work from the first of its `points` knots."""
+    """Return a tabulated torque's potential energy [J] at an angle [rad], zero at the first of `points` knots."""
     beyond = angle - table[0, 0]
     energy = -beyond * (table[0, 1] + 0.5 * table[0, 2] * beyond)
     for k in range(1, points + 1 if points > 1 else 1):

@@ -20,7 +20,7 @@ MODEL: Mapping[str, str] = {"model": "flexible-clearance"}
 # Algorithms that learn from single steps need more episodes than the cost of flexible panels allows.
 RIGID: Mapping[str, str] = {"model": "rigid-clearance"}
 
-# The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
+# The nominal scenario is deterministic, and impacts are chaotic: the results of a single deployment would be arbitrary.
 # Episodes therefore differ in the joints' release rates, like the members of all ensembles in this project. Moving a
 # hinge by micrometres would not suffice: episodes would share their first seconds, and the errors of these seconds.
 SAMPLED = "initial_rate"
@@ -39,8 +39,9 @@ def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID
     """Return `env_kwargs` with random release rates of the joints, unless they or the scenario already name ranges.
 
     Raises:
-        ValueError: The environment refuses its keywords; `max_episode_steps` would cut episodes off before the landing;
-            or the scenario is given as a keyword, while tuned parameters are found by environment id.
+        ValueError: The environment refuses a keyword. `env_kwargs` contains `max_episode_steps`, which would cut
+            episodes off before the landing. `env_kwargs` contains `scenario`; choose the scenario by the environment
+            id, because tuned parameters are looked up by id.
     """
     if "scenario" in env_kwargs:
         raise ValueError(
@@ -65,7 +66,7 @@ def with_interface(env_kwargs: Mapping[str, object], controller: str, interface:
     """Return `env_kwargs` with a controller's interface: observation, action and control period.
 
     Raises:
-        ValueError: `env_kwargs` name another interface.
+        ValueError: `env_kwargs` contain a keyword of the interface with another value.
     """
     for name, value in interface.items():
         if env_kwargs.get(name, value) != value:

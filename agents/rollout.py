@@ -1,4 +1,4 @@
-"""One episode of a controller, reduced to the figures that evaluation and tuning compare."""
+"""One episode of a controller, reduced to the scalar results that evaluation and tuning compare."""
 
 import math
 from collections import defaultdict
@@ -16,7 +16,7 @@ UNITS = ("s", "N", "Nm", "Ns", "J", "m")
 
 
 def run_episode(env: gymnasium.Env, controller: Controller, seed: int) -> Figures:
-    """Run one deterministic episode and return its figures (see `episode_figures`) with its seed."""
+    """Run one deterministic episode; return its results by name (see `episode_figures`), and its seed."""
     observation, _ = env.reset(seed=seed)
     state = None
     episode_start = np.ones(1, dtype=bool)
@@ -36,7 +36,7 @@ def episode_figures(deployment: Info, reward_terms: Mapping[str, float]) -> Figu
 
     Lists by joint become one entry per joint (`peak_postlock_force_1_N`) and one for the array: the largest
     force and wear depth, the last latch time, the sum of impulse, sliding work and contacts. Post-lock
-    figures and latch torques are NaN if any joint never latched.
+    quantities and latch torques are NaN if any joint never latched.
     """
     latched = bool(deployment["latched"])
     figures: dict[str, float | int | bool] = {

@@ -1,4 +1,4 @@
-"""The script `solar-env`: the command line, which answers Ctrl-C in one line even while packages are being loaded."""
+"""The script `solar-env`: the command line, which prints one line on Ctrl-C, even while packages are being loaded."""
 
 import sys
 from collections.abc import Sequence

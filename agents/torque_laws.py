@@ -52,7 +52,7 @@ class Signals:
 
     @classmethod
     def of(cls, env: gymnasium.Env | EnvironmentSettings) -> Self:
-        """Read the signals of an environment of this project, or of its settings."""
+        """Return the signals of an environment of this project, given the environment or its settings."""
         unwrapped: Any = env.unwrapped if isinstance(env, gymnasium.Env) else env
         _, *of_task, _ = (item.name for item in fields(cls))
         array = unwrapped.parameters if isinstance(env, gymnasium.Env) else unwrapped.array
@@ -68,7 +68,7 @@ class Signals:
         return self.lock_angles[self.driven_joint]
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
-        """Refuse an environment whose signals differ from these; the error names `learned_on`, where training was.
+        """Refuse `env` if its signals differ from these; the error names `learned_on`, the environment of the training.
 
         Raises:
             ValueError: The entries of an observation, or the units or the period of actions or observations, differ.
@@ -184,7 +184,7 @@ class LawParameters:
         """Make parameters from the values of a JSON object.
 
         Raises:
-            ValueError: The keys are not the law's.
+            ValueError: The keys are not the names of the parameters.
         """
         expected = {f.name for f in fields(cls)}
         if set(values) != expected:

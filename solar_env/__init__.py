@@ -1,14 +1,14 @@
 """Deployment of a spacecraft's solar array: multibody simulation with clearance joints, and a Gymnasium environment.
 
-Importing this package registers the environments and loads neither the compiler nor a learning library. `simulate` runs
-one deployment. `gymnasium.make("solar_env/Deploy-v2")` makes one environment, `gymnasium.make_vec` a vector of them.
+Importing this package registers the environments; it imports neither Numba nor a learning library. `simulate` runs one
+deployment. `gymnasium.make("solar_env/Deploy-v2")` makes one environment, `gymnasium.make_vec` a vector of them.
 
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `read_parameters` reads
-parameters from a file, `build` makes the array's mechanism. `MODELS` lists the model levels by name; `cheapest_level`
-chooses the level for a question. `simulate` returns a `Trajectory`; a `Simulation` advances step by step with the
-integrators `RungeKutta`, `Rosenbrock`, `ModalRadau` or `GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv`
-are the environments; `Hardware` describes sensors and motors. A run that cannot go on raises `SimulationError`; a
-doubtful result causes a `SimulationWarning`.
+parameters from a file, `build` makes the array's mechanism. `MODELS` lists the levels of model fidelity by name;
+`cheapest_level` names the cheapest one that answers a question. `simulate` returns a `Trajectory`; a `Simulation`
+advances step by step with an integrator: `RungeKutta`, `Rosenbrock`, `ModalRadau` or `GeneralizedAlpha`.
+`SolarArrayEnv` and `SolarArrayVectorEnv` are the environments; `Hardware` describes sensors and motors. A run that
+cannot continue raises `SimulationError`; a doubtful result causes a `SimulationWarning`.
 
 .. include:: ../.github/CONTRIBUTING.md
 """

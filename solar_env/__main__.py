@@ -25,9 +25,9 @@ def overview() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command that the command line names, and return the exit status.
+    """Run the command that `arguments` (by default `sys.argv[1:]`) name, and return the exit status.
 
-    The status is 0 for success, 1 for a failed verification or map, 2 for wrong input or a failed run, 130 for Ctrl-C.
+    The status is 0 for success, 1 if a check fails, 2 for wrong input or a failed run, 130 for Ctrl-C.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     usual = warnings.formatwarning
@@ -66,7 +66,7 @@ def _answer(words: Sequence[str]) -> int:
 
 
 def _sentence(error: Exception) -> str:
-    """Return the text of an error for the user; an operating-system error loses its number."""
+    """Return an error's message for the user; for an operating-system error, without the error number."""
     if isinstance(error, MemoryError):
         return f"memory has no room for what was asked for ({str(error) or 'it is full'}); ask for less"
     if not isinstance(error, OSError) or error.strerror is None:
@@ -90,10 +90,10 @@ def _drop_output() -> None:
 
 
 def execute(name: str, words: Sequence[str]) -> int:
-    """Run a command, given its name and the words after the name, and return the exit status.
+    """Run the command `name` with `words`, the command-line arguments after the name, and return the exit status.
 
     Raises:
-        SystemExit: the input is wrong, as a printed sentence explains, or the words ask for help.
+        SystemExit: the arguments ask for help, or are wrong; a printed sentence then explains the error.
         ValueError, OSError, SimulationError: raised by the command.
     """
     module = table.load(table.COMMANDS, name)

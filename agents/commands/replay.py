@@ -83,7 +83,7 @@ def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
 
 
 def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
-    """Make the page of episodes by the names of their controllers, with figures from `run_episode`."""
+    """Make a page of trajectories and results of `run_episode`, both by controller name; a note states `command`."""
     landed = [name for name in episodes if figures[name]["latched"]]
     softest = min(landed, key=lambda name: figures[name]["peak_postlock_force_N"], default=None)
     lands = "none lands"
@@ -112,7 +112,7 @@ def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures],
 
 
 def filmed(name: str, trajectory: Trajectory, longest: float, width: int, speed: float) -> list[Image.Image]:
-    """Draw the frames of an episode under its controller's name; the time axis ends at `longest` [s]."""
+    """Draw frames of `width` pixels, captioned `name`, at `speed` times real time; time axes end at `longest` [s]."""
     scenes = scenes_of(trajectory, speed / FRAMES_PER_SECOND)
     renderer = Renderer(scenes[0], longest)
     return [captioned(renderer.draw(scene), name, width) for scene in scenes]

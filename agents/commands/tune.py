@@ -47,7 +47,7 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Tune the law and store its parameters. Raise a ValueError if nothing is tunable or the budget is too small."""
+    """Tune a law and store its parameters. Raise a ValueError if it has no parameters or the budget is too small."""
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
     if args.episodes_per_candidate < 1:

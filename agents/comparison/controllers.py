@@ -37,7 +37,7 @@ class NamedController:
 
     @property
     def base(self) -> str:
-        """Specification without a search's prefix: the controller itself, or the one at which the search begins."""
+        """Specification `spec` without `SEARCH_AROUND`: the controller itself, or the one around which it searches."""
         return self.spec.removeprefix(SEARCH_AROUND)
 
     @property
@@ -95,9 +95,9 @@ class NamedController:
 
 
 def parse_controller(text: str) -> NamedController:
-    """Read `NAME=SPEC`, or SPEC alone: a law or policy then names itself, a run folder is named by its last component.
+    """Parse `NAME=SPEC`, or SPEC alone; the name is then the law's, the policy's, or the last component of the folder.
 
-    An existing folder is read as a folder, whatever characters are in its name.
+    The path of an existing folder is always a SPEC alone, even if it contains "=".
 
     Raises:
         ValueError: A search has no controller to begin at, or would begin at another search.
@@ -115,7 +115,7 @@ def parse_controller(text: str) -> NamedController:
 
 
 def parse_controllers(texts: Sequence[str]) -> list[NamedController]:
-    """Read the controllers to compare, see `parse_controller`; several runs may share a given name.
+    """Parse the controllers to compare, see `parse_controller`; several runs may have one name, given by NAME=.
 
     Raises:
         ValueError: A controller is given twice, or different controllers share a name that was not given to them.

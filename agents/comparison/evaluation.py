@@ -1,4 +1,4 @@
-"""Evaluation of controllers on the same episodes, which any process can run, and the environment to compare them on."""
+"""Evaluation of controllers on the same episodes, by several processes, in an environment that suits all of them."""
 
 import contextlib
 import hashlib
@@ -51,19 +51,19 @@ def evaluate(
             environment's model, see `agents.laws.baselines.load_parameters`.
         episodes: Episodes of each controller.
         seed: Chooses the block of evaluation seeds.
-        env_id, env_kwargs: Environment; without "randomize", `with_sampling` adds it. Each controller has its own
-            observation, action and control period.
+        env_id, env_kwargs: Environment id and keywords; `with_sampling` adds a missing "randomize". Each controller
+            gets its own observation, action and control period.
         progress: Show a progress bar.
         workers: Processes to run the episodes on.
 
     Returns:
-        One row per controller and episode: controller, spec, episode, and the figures of `run_episode`. An episode
-        whose simulation cannot go on under one controller is left out for all controllers, with a warning.
+        One row per controller and episode: controller, spec, episode, and the results of `run_episode`. An episode
+        whose simulation fails under one controller is left out for all controllers, with a warning.
 
     Raises:
         FileNotFoundError, ValueError: A controller does not exist, does not fit the environment, or has the name of
-            another one; the environment refuses its keywords, or they name another interface than a controller's; or
-            more than a tenth of the episodes failed.
+            another one. The environment refuses a keyword, or a keyword contradicts the observation, action or control
+            period of a controller. More than a tenth of the episodes failed.
     """
     seeds = episode_seeds("evaluation", seed, episodes)
     sampled = with_sampling(env_kwargs or {}, env_id)
@@ -85,7 +85,7 @@ def evaluate(
 
 
 def without_failed(rows: Sequence[Row]) -> list[Row]:
-    """Leave out the episodes whose simulation cannot go on under one of the controllers, with a warning.
+    """Return the rows of the episodes whose simulation fails under no controller, and warn of the others.
 
     Raises:
         ValueError: More than a tenth of the episodes failed.
@@ -99,7 +99,7 @@ def without_failed(rows: Sequence[Row]) -> list[Row]:
 
 
 def fitting(laws: Sequence[str], env_id: str, env_kwargs: Mapping[str, object]) -> list[str]:
-    """Choose the laws that fit an environment: it has the observations that they read, and drives one hinge."""
+    """Return the laws that fit an environment, which must have the observations that they read, and drive one hinge."""
     env, found = make_env(env_id, {**env_kwargs, **OF_LAWS}), []
     for law in laws:
         with contextlib.suppress(ValueError), warnings.catch_warnings():
@@ -110,7 +110,7 @@ def fitting(laws: Sequence[str], env_id: str, env_kwargs: Mapping[str, object]) 
 
 
 def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[str, object], seed: int) -> Cell:
-    """Make the cell of one episode of a controller; JSON keeps the environment keywords."""
+    """Describe one episode of a controller as a cell: a dictionary that JSON can store and `run_cell` takes."""
     files = controller.files()
     return {
         "spec": controller.resolved,
@@ -122,7 +122,7 @@ def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[s
 
 
 def run_cell(cell: Cell) -> Row:
-    """Run the episode of a cell; return its figures, see `run_episode`, or its seed with the reason of a failure."""
+    """Run the episode that a cell describes; return the results of `run_episode`, or seed and reason of a failure."""
     env, controller = _prepared(json.dumps({**cell, "seed": None}))
     try:
         return run_episode(env, controller, cell["seed"])
@@ -132,7 +132,7 @@ def run_cell(cell: Cell) -> Row:
 
 @lru_cache(maxsize=4)
 def _prepared(text: str) -> tuple[gymnasium.Env, Controller]:
-    """Make environment and controller of a cell, kept from episode to episode."""
+    """Make environment and controller of a cell, given as JSON text without seed; both are cached for later cells."""
     cell = json.loads(text)
     env = _environment(cell["env_id"], json.dumps(cell["env_kwargs"]))
     if "parameters" in cell:
@@ -146,7 +146,7 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
 
 
 def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) -> list[Row]:
-    """Run cells on `workers` processes, equal cells once, and return the figures in the order of the cells."""
+    """Run cells on `workers` processes, equal cells once; return the results of `run_cell` in the order of `cells`."""
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different, done = dict(zip(keys, cells, strict=True)), dict[str, Row]()
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
@@ -166,13 +166,13 @@ def _digest(paths: Sequence[Path]) -> str:
 def common_environment(
     controllers: Sequence[str], env_id: str | None = None, given: Collection[str] = ()
 ) -> tuple[str, Keywords]:
-    """Return the environment id and keywords on which all trained controllers among `controllers` agree.
+    """Return the environment id and the keywords on which all trained controllers among `controllers` agree.
 
-    `env_id`, if not None, replaces their id; without either the id is the nominal one. Ranges drawn in training belong
-    to their environment: for another id, or beside keywords `given`, they are left out, and so are the keywords given.
+    `env_id`, if not None, replaces their id; without both, the id is `DEFAULT_ENV_ID`. The keywords leave out all names
+    in `INTERFACE` and `given`. They also leave out "randomize" if `given` has any name, or the training another id.
 
     Raises:
-        ValueError: The environments differ; the user must then give the one to compare on.
+        ValueError: The controllers were trained on different environments; the user must choose one.
     """
     found = {each: of for each in controllers if (of := parse_controller(each).training())}
     ids = {of.env_id for of in found.values()}

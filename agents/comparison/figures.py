@@ -1,4 +1,4 @@
-"""Figures of training runs and of comparisons."""
+"""Plots of training runs and of comparisons."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -21,9 +21,9 @@ OVER = ("environment steps", "seconds of a core")  # names of the abscissas
 
 @rc_context(STYLE)
 def comparison_figure(summary: Summary, path: Path) -> None:
-    """Draw a comparison: interquartile mean, interval and worst episode of every controller.
+    """Plot interquartile mean, interval and worst episode of every controller, and save the plot to `path`.
 
-    Fewer than `FEWEST` episodes have no interval. A figure that is zero for all controllers, such as wear with ideal
+    Fewer than `FEWEST` episodes have no interval. A quantity that is zero for all controllers, such as wear with ideal
     joints, has no panel. `summary` comes from `agents.comparison.report.summarize`.
     """
     panels = [("return", *TABLE["return"])]
@@ -64,7 +64,7 @@ def comparison_figure(summary: Summary, path: Path) -> None:
 
 
 class Panel(NamedTuple):
-    """Learning curves of a scene, one for each algorithm and seed, and the return of each law."""
+    """Learning curves in one environment (a scene), by algorithm and then by seed, and the mean return of each law."""
 
     curves: dict[str, list[Curve]]
     laws: dict[str, float]
@@ -72,9 +72,9 @@ class Panel(NamedTuple):
 
 @rc_context(STYLE)
 def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequence[str] = OVER) -> None:
-    """Draw validation returns by scene, one row of axes per abscissa in `over`: median and range over training seeds.
+    """Plot validation returns, with a column of axes per scene and a row per abscissa in `over`; save it to `path`.
 
-    Curves are drawn up to the earliest end among the seeds.
+    Curves are medians over training seeds, in a band from least to greatest, up to the earliest end among the seeds.
     """
     size = max(4.2 * len(panels), 6.5), 1.0 + 2.75 * len(over)
     figure = Figure(figsize=size, layout="constrained")
@@ -103,7 +103,7 @@ def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequen
 
 
 def _over_common(of_agent: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the abscissas (n,) of all runs up to the earliest end, and the interpolated values (runs, n) there."""
+    """Return all abscissas (n,) up to the runs' earliest end, and each run's values (runs, n) interpolated there."""
     at = np.unique(np.concatenate([run for run, _ in of_agent]))
     at = at[at <= min(run[-1] for run, _ in of_agent)]
     return at, np.array([np.interp(at, *run) for run in of_agent])

@@ -17,7 +17,7 @@ from solar_env.support.minimisation import minimise
 class LawSearch:
     """Search for a torque law's parameters: a budget of `points` candidates, each judged by `episodes` episodes.
 
-    Training episodes are fresh in every generation. Validation episodes decide between the candidates left at the end.
+    Every generation has new training episodes. Validation episodes compare the candidates that are left at the end.
     """
 
     law: str
@@ -31,7 +31,10 @@ class LawSearch:
     progress: bool
 
     def run(self, start: LawParameters, spread: float = 0.25) -> tuple[list[LawParameters], list[float], int]:
-        """Run the search; return start, best and final mean, their validation returns, and the number of episodes."""
+        """Search from `start`, with a first standard deviation `spread`, relative to each parameter's range.
+
+        Return the candidates (start, best, final mean), their validation returns, and the number of training episodes.
+        """
         validation = episode_seeds("validation", self.seed, self.validation_episodes)
         generations = simulated = 0
 
@@ -49,7 +52,7 @@ class LawSearch:
         return candidates, self._returns(candidates, validation), simulated
 
     def _returns(self, candidates: Sequence[LawParameters], seeds: Sequence[int]) -> list[float]:
-        """Return the mean return of each candidate over the same episodes; it is -inf after a failure."""
+        """Return each candidate's mean return over the episodes with these seeds; it is -inf if an episode fails."""
         shared = {"spec": self.law, "env_id": self.env_id, "env_kwargs": runs.jsonable(self.env_kwargs)}
         cells = [{**shared, "parameters": asdict(each), "seed": seed} for each in candidates for seed in seeds]
         returns = [figures.get("return", -math.inf) for figures in run_cells(cells, self.workers, progress=False)]

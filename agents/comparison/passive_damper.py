@@ -1,4 +1,4 @@
-"""Gain of a controlled drive over a passive damper: the best damper, tuned laws, a shipped policy on one array."""
+"""Comparison of a controlled drive with the best passive damper on one array: tuned laws and a shipped policy."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -23,7 +23,11 @@ _COARSE, _FINE = 12, 6  # numbers of dampers tried over two decades, and then be
 
 @dataclass(frozen=True)
 class Contest:
-    """Environment with the parameters of an array, as a dictionary, and the budget of tuning."""
+    """Comparison of controlled drives with passive dampers in one environment, and the budget for tuning them.
+
+    `env_kwargs` must hold "model" and, as a dictionary, the array's "parameters". Tuning a law tries `points`
+    candidates, each on `episodes` episodes.
+    """
 
     env_id: str
     env_kwargs: Keywords
@@ -34,16 +38,16 @@ class Contest:
     progress: bool
 
     def damped(self, damping: float) -> Keywords:
-        """Return the environment keywords for laws, with a damper in every hinge [N m s/rad]."""
+        """Return the environment keywords for laws, with a damper of `damping` [N m s/rad] in every hinge."""
         return {**self.env_kwargs, **OF_LAWS, "parameters": {**self.env_kwargs["parameters"], "hinge_damping": damping}}
 
     def cells(self, spec: str, env_kwargs: Mapping[str, object], seeds: Sequence[int], **more: object) -> list[Cell]:
-        """Make the cells of a controller's episodes."""
+        """Describe a controller's episodes as cells for `run_cells`; `more` holds further entries."""
         shared = {"spec": spec, "env_id": self.env_id, "env_kwargs": runs.jsonable(env_kwargs), **more}
         return [{**shared, "seed": seed} for seed in seeds]
 
     def best_damper(self) -> float:
-        """Find the damping of all hinges [N m s/rad] with the highest mean return on the springs alone."""
+        """Find the damping [N m s/rad], equal in all hinges, with the highest mean return without a motor torque."""
         settings = environment_settings(self.env_id, self.env_kwargs)
         most = slowest_damper(settings.array, settings.task.deadline)
         tried: dict[float, float] = {}
@@ -59,7 +63,7 @@ class Contest:
         return best
 
     def tuned(self, law: str) -> dict[str, Any]:
-        """Find the parameters of a law with the highest mean return, as JSON keeps them."""
+        """Tune a law; return the parameters of the highest mean return in validation, as a dictionary."""
         keywords, budget = {**self.env_kwargs, **OF_LAWS}, (self.points, self.episodes, 4 * self.episodes)
         search = LawSearch(law, self.env_id, keywords, *budget, self.seed, self.workers, self.progress)
         candidates, validated, _ = search.run(TUNABLE[law].defaults)
@@ -68,7 +72,7 @@ class Contest:
     def rows(self, laws: Sequence[str], episodes: int) -> tuple[list[Row], Keywords]:
         """Tune the damper and the laws, and run all contestants on the same evaluation episodes.
 
-        Return rows for `agents.comparison.report`, and the findings: damping, parameters, and misfits in sentences.
+        Return rows for `agents.comparison.report`, and findings: damping, parameters, and controllers that do not fit.
         """
         seeds, driven = episode_seeds("evaluation", self.seed, episodes), {**self.env_kwargs, **OF_LAWS}
         damping = self.best_damper()
@@ -104,7 +108,7 @@ class Contest:
 
 
 def answer(summary: Summary, found: Mapping[str, Any], torque_limit: float) -> list[str]:
-    """State the gain of the best drive over the best damper."""
+    """Return sentences on the gain of the best drive over the best damper; `found` comes from `Contest.rows`."""
     returns = {name: entry["return"].mean for name, entry in summary.items()}
     (damper,) = (name for name in returns if name.startswith(DAMPER))
     drive = max((name for name in returns if name.startswith(DRIVE)), key=lambda name: returns[name])

@@ -16,7 +16,7 @@ class SearchSettings:
     """Settings of the search of `RecedingHorizon`.
 
     Attributes:
-        knots: Number of values of the residual action, at equal distances from now to the deadline.
+        knots: Number of values of the residual action, at equal time intervals from now to the deadline.
         candidates: Number of rollouts in an iteration.
         elites: Number of the best rollouts, to which the next iteration's distribution is fitted.
         iterations: Number of iterations of the cross-entropy method at every replanning.
@@ -37,7 +37,7 @@ class SearchSettings:
 class RecedingHorizon(DeterministicController):
     """Controller that searches for its actions by rollouts of the simulator from the present state.
 
-    A controller with foresight can reach this controller's return, which is no upper bound of all returns.
+    Its return shows what a controller with perfect foresight can reach. It is no upper bound of all returns.
 
     A candidate adds a residual, linear between knots, to the actions of a base controller (a law or a policy). Rollouts
     last to the end of the episode, because the cost comes with latching and after it. The cross-entropy method (R. Y.
@@ -45,8 +45,8 @@ class RecedingHorizon(DeterministicController):
     plan, anew after every `replan_after`. Rollouts start from the exact state, with the true parameters, the true
     motor, and the sensors' future noise.
 
-    The actions of the best rollout are applied. The simulator is deterministic: the predicted return is reached.
-    A plan is replaced by better plans only: the predicted return never falls, nor below the base controller's return.
+    The actions of the best rollout are applied. The simulator is deterministic: the predicted return is reached. Only a
+    better plan replaces a plan: the predicted return never falls, and is never below the base controller's return.
 
     Args:
         env: Environment of this project, not a vector; `act` must be called in every period of its episodes, and
@@ -69,7 +69,7 @@ class RecedingHorizon(DeterministicController):
     def act(self, observation: np.ndarray) -> np.ndarray:
         """Return the planned action (1,) or (1, 1) for the present period of the environment.
 
-        Only the shape of `observation`, (n_obs,) or (1, n_obs), is used. The environment's clock shows a new episode.
+        Only the shape of `observation`, (n_obs,) or (1, n_obs), is used. The environment's time tells a new episode.
 
         Raises:
             gymnasium.error.ResetNeeded: Before the environment's first reset.
@@ -88,7 +88,7 @@ class RecedingHorizon(DeterministicController):
         return np.full((1,) * np.ndim(observation), self._actions[period - self._start])
 
     def _replan(self, done: int) -> None:
-        """Search around the present plan for a better plan from the present state, `done` periods into the plan."""
+        """Search around the present plan, `done` periods into it, for a better plan, and keep the better one."""
         settings, task, now = self._settings, self._env.task, self._env.simulation.time
         knot_times = np.linspace(now, max(task.deadline, now + task.control_period), settings.knots)
         mean = np.interp(knot_times, self._knot_times, self._residual)
@@ -115,7 +115,7 @@ class RecedingHorizon(DeterministicController):
     def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Roll out residuals (n, knots); return float32 actions and rewards, (n, periods) each, from now to the end.
 
-        Episodes that are shorter than others are filled with zeros.
+        The rows of shorter episodes end with zeros.
         """
         task, count = self._env.task, len(residuals)
         longest = task.deadline * (1.0 + task.overtime) + task.settling_window

@@ -17,7 +17,7 @@ from solar_env.support.files import make_folder, write_text
 from solar_env.support.markdown import markdown_table
 from solar_env.support.versions import versions
 
-# Figure -> (heading, factor to the heading's unit); the tables show these figures, the CSV file has all figures.
+# Quantity of an episode -> (heading, factor to the heading's unit). Tables show these; the CSV file has all.
 TABLE: dict[str, tuple[str, float]] = {
     "return": ("return", 1.0),
     "v1_return": ("return at the prices of v1", 1.0),
@@ -37,10 +37,10 @@ Summary = dict[str, Entry]
 
 
 def summarize(rows: Sequence[Row]) -> Summary:
-    """Summarize rows by controller: latched fraction, estimates of the figures of `TABLE`, comparison with `reference`.
+    """Summarize rows by controller: latched fraction, estimates of the quantities in `TABLE`, comparison of returns.
 
-    The comparison pairs episodes with the same seed. The entry "above" is the difference of the returns, "better" the
-    probability of a higher return.
+    The comparison with the controller `reference(rows)` pairs episodes with the same seed. The entry "above" is the
+    difference of the returns, "better" the probability of a higher return.
     """
     by_run: dict[str, dict[str, list[Row]]] = {}
     for row in sorted(rows, key=lambda row: row["episode"]):
@@ -57,12 +57,12 @@ def summarize(rows: Sequence[Row]) -> Summary:
 
 
 def _values(by_run: Mapping[str, Sequence[Row]], figure: str) -> list[np.ndarray]:
-    """Return the (episodes,) values of a figure for every run."""
+    """Return the values (episodes,) of the quantity named `figure`, one array for each run."""
     return [np.array([row[figure] for row in run]) for run in by_run.values()]
 
 
 def reference(rows: Sequence[Row]) -> str:
-    """Name the controller to compare the others with: the law of highest mean return, or else the first controller."""
+    """Return the name of the controller to compare with: the law of highest mean return, or the first controller."""
     returns = {
         name: float(interquartile_mean(np.array([row["return"] for row in rows if row["controller"] == name])))
         for name in dict.fromkeys(row["controller"] for row in rows if row["spec"] in LAWS)
@@ -100,7 +100,7 @@ def _cell(value: Estimate, figure: str) -> str:
 
 
 def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
-    """Format a mean times a factor, with its interval where there are enough values for an interval."""
+    """Format a mean times a factor, followed by its interval if there are at least `FEWEST` values."""
     text = form.format(value.mean * factor)
     if value.count < FEWEST:
         return text
@@ -108,7 +108,7 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
 
 
 def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, object]) -> tuple[Summary, str]:
-    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; return summary and table."""
+    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; return summary and Markdown text."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
     make_folder(folder)
     write_table(folder / "episodes.csv", [dict.fromkeys(columns, "") | row for row in rows], {})
@@ -122,7 +122,7 @@ def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, o
 
 
 def _plain(value: object) -> object:
-    """Convert estimates to dictionaries, with intervals only from `FEWEST` values on, and NaN to None for JSON."""
+    """Convert, for JSON, an `Estimate` to a dictionary (no interval below `FEWEST` values), and NaN to None."""
     if isinstance(value, Estimate):
         few = dict.fromkeys(("lower", "upper"), math.nan) if value.count < FEWEST else {}
         return {key: _plain(v) for key, v in (asdict(value) | few).items()}

@@ -9,7 +9,7 @@ from scipy import stats
 
 @dataclass(frozen=True)
 class Estimate:
-    """A mean with its confidence interval, and the extremes and the size of the sample."""
+    """A mean with its 95 % confidence interval (`lower`, `upper`), and the extremes and the size of the sample."""
 
     mean: float
     lower: float
@@ -31,16 +31,16 @@ def estimate(
 ) -> Estimate:
     """Estimate a mean over all episodes of all runs, by default interquartile, with its 95 % bootstrap interval.
 
-    Every run has the same episodes. A resample draws runs and, independently, episodes, both with replacement, and
-    takes all drawn episodes of all drawn runs (A. B. Owen, The pigeonhole bootstrap, Ann. Appl. Stat. 1 (2007) 386-411,
+    Every run has the same episodes. A resample picks runs and, independently, episodes, both with replacement, and
+    takes these episodes of these runs (A. B. Owen, The pigeonhole bootstrap, Ann. Appl. Stat. 1 (2007) 386-411,
     doi:10.1214/07-AOAS122). The interval therefore covers the variation between training runs, if there are several,
-    and the variation between episodes, even if common to all runs. With few runs the interval is too narrow, as
-    bootstrap intervals are: for two equal algorithms with five runs each, nine tenths of the intervals of their
-    difference contain zero. NaN values are left out; without other values the estimate is NaN.
+    and the variation between episodes, even if common to all runs. With few runs, bootstrap intervals are too narrow:
+    for two equally good algorithms with five runs each, only nine tenths of the intervals of their difference contain
+    zero. NaN values are left out; without other values the estimate is NaN.
 
     Args:
-        runs: One array (episodes,) of figures for each training run; a baseline has one run. For comparisons,
-            (references, episodes): each run of the reference has a row, and rows are drawn like the runs.
+        runs: One array (episodes,) of values for each training run; a baseline has one run. For comparisons the arrays
+            are (references, episodes), with a row for each run of the reference; rows are resampled like runs.
         resamples: Number of bootstrap resamples.
         mean: Function that reduces the last axis.
 
@@ -77,15 +77,15 @@ def estimate(
 
 
 def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
-    """Estimate the difference from a reference on the same episodes, over all pairs of a run and a reference run.
+    """Estimate the mean of run minus reference run on the same episodes, over all pairs of a run and a reference run.
 
-    Each training run and each reference run has figures (episodes,); errors are as in `estimate`.
+    Each training run and each reference run is an array of values (episodes,); errors are as in `estimate`.
     """
     return estimate([mine - np.stack(references) for mine in runs])
 
 
 def improvement(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
-    """Estimate the probability of doing better than a reference on the same episode; a tie counts half.
+    """Estimate the probability that a run does better than a reference run on the same episode; a tie counts half.
 
     This is the paired form of the measure of R. Agarwal et al. (Deep Reinforcement Learning at the Edge of the
     Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264). Arguments are as in `difference`; higher is better.

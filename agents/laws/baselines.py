@@ -1,4 +1,4 @@
-"""Torque laws by name, with the parameters that tuning has found for a scenario and a model."""
+"""Torque laws by name, with the parameters that tuning has found for an environment id and a model."""
 
 import json
 import warnings
@@ -20,17 +20,17 @@ FALLBACK_MODEL = "rigid-clearance"
 
 
 class UntunedWarning(UserWarning):
-    """Warning that a law acts with parameters that were tuned for another model, or another hinge."""
+    """Warning that a law uses parameters that were tuned for another model, or for a motor on another hinge."""
 
 
 def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
     """Read the tuned parameters of the law `name` for a model of `env_id` from `agents/configs/<name>.json`.
 
-    Parameters are tuned for one model with any number of modes or elements. A model without tuned parameters gets, with
+    Parameters are tuned for a model with any number of modes or elements. A model without tuned parameters gets, with
     a warning, parameters for `FALLBACK_MODEL`, which deploy the array but are not the law's best for that model.
 
     Raises:
-        ValueError: The file has no usable entry for `env_id`, or the entry's keys are not the law's.
+        ValueError: The file has no usable entry for `env_id`, or its keys are not the law's parameters.
     """
     entry, source = _entry(name, env_id, model)
     if source != model:
@@ -46,7 +46,7 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
 
 
 def store_parameters(name: str, env_id: str, model: str, entry: Mapping[str, object]) -> Path:
-    """Write a tuning result to the law's file, where it replaces the entry of the same environment id and model."""
+    """Write a tuning result to the law's JSON file, under its environment id and model; return the file's path."""
     entries, path = _entries(name), CONFIGS / f"{name}.json"
     entries.setdefault(env_id, {})[model] = entry
     write_text(path, json.dumps(entries, indent=2, allow_nan=False) + "\n")
@@ -54,12 +54,12 @@ def store_parameters(name: str, env_id: str, model: str, entry: Mapping[str, obj
 
 
 def tuning_of(name: str, env_id: str, model: str) -> dict[str, Any]:
-    """Return the record of the tuning that found the parameters of a model, see `load_parameters`."""
+    """Return the record of the tuning run that found the parameters that `load_parameters` reads."""
     return _entry(name, env_id, model)[0]["tuning"]
 
 
 def _entries(name: str) -> dict[str, Any]:
-    """Read the file of a law: environment id -> model -> entry."""
+    """Read the file of a law: environment id -> model -> entry; return an empty dictionary if no file exists."""
     path = CONFIGS / f"{name}.json"
     return read_json(path) if path.exists() else {}
 
@@ -84,7 +84,7 @@ def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | Non
     with a warning, the parameters for the rigid array with clearance; see `load_parameters`.
 
     Raises:
-        ValueError: The name is not in `LAWS`, or the environment has no tuned parameters.
+        ValueError: The name is not in `LAWS`, or no parameters have been tuned for the environment.
     """
     if name not in LAWS:
         raise ValueError(f"no baseline {name!r}; available: {', '.join(LAWS)}")

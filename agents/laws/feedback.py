@@ -20,7 +20,7 @@ class DamperParameters(LawParameters):
 
     Attributes:
         damping: Torque per rate of the driven joint until the last joint has latched [N m s/rad].
-        settling_damping: Torque per rate of the driven joint from then on [N m s/rad].
+        settling_damping: Torque per rate of the driven joint after the last joint has latched [N m s/rad].
     """
 
     damping: float = bounded(1.0, 0.0, 6.0)
@@ -43,8 +43,8 @@ class ProportionalDerivativeParameters(LawParameters):
     """Parameters of `ProportionalDerivative`.
 
     Attributes:
-        proportional_gain: Torque per angle of the driven joint short of its lock angle [N m/rad].
-        derivative_gain: Torque per rate of the driven joint, against this rate [N m s/rad].
+        proportional_gain: Torque per angle that the driven joint still lacks to its lock angle [N m/rad].
+        derivative_gain: Opposing torque per rate of the driven joint [N m s/rad].
         saturation: Greatest torque in either direction [N m].
     """
 

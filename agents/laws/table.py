@@ -1,4 +1,4 @@
-"""Table of the controllers without learning, on which tuning, evaluation and help texts rely."""
+"""Tables of the controllers without learning, which tuning, evaluation and help texts use."""
 
 from typing import Any
 

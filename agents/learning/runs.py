@@ -106,7 +106,7 @@ def read_config(folder: str | Path) -> Configuration:
 
 
 def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
-    """Read the history of a run's validations: steps (n,), and returns and lengths (n, episodes).
+    """Read a run's n validations, by the names in `HISTORY`: steps (n,), returns and lengths of episodes (n, episodes).
 
     Raises:
         OSError: The file cannot be read.
@@ -123,12 +123,12 @@ def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
 
 
 def shipped() -> list[str]:
-    """List the names of the policies that come with this package."""
+    """List the names of the shipped policies, which come with this package."""
     return sorted(path.parent.name for path in SHIPPED.glob(f"*/{CONFIG}"))
 
 
 def folder_of(name: str | Path) -> Path:
-    """Return the folder of the policy `name` of this package, or else the folder `name`."""
+    """Return the folder of the shipped policy `name`, or the path `name` if no shipped policy has that name."""
     return SHIPPED / name if str(name) in shipped() else Path(name)
 
 

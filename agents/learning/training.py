@@ -51,7 +51,7 @@ def make_model(config: runs.Configuration, env: VecEnv, **keywords: Any) -> Base
 
 
 def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bool = True) -> None:
-    """Train up to `timesteps` steps in all, from the last validation in the folder if the folder has one.
+    """Train until `timesteps` environment steps in all; a run in `folder` continues from its last validation.
 
     The folder is made only after the algorithm has accepted its hyperparameters.
     """
@@ -72,7 +72,7 @@ def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bo
 
 
 def go_on(model: BaseAlgorithm, validation: EvalCallback, folder: Path) -> int:
-    """Restore model and history of a run's last validation; return its steps. A replay buffer begins anew."""
+    """Restore `model` and `validation` from a run's last validation; return the steps. A replay buffer starts empty."""
     model.set_parameters(str(folder / runs.LAST), device="cpu")
     with zipfile.ZipFile(folder / runs.LAST) as file:
         model.num_timesteps = json.loads(file.read("data"))["num_timesteps"]

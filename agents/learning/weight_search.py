@@ -111,7 +111,7 @@ class CMAES(ARS):
         callback.on_rollout_end()
 
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
-        """Judge weights by a round of episodes; weights with the highest mean return so far become the policy's."""
+        """Judge weights by their mean return in one episode per environment; the best so far become the policy's."""
         first = self.seed or 0
         tries = [(searched, first + episode) for episode in range(self.env.num_envs)]
         mean_return = float(self._returns(tries, callback).mean())
@@ -121,11 +121,11 @@ class CMAES(ARS):
             self.policy.load_from_vector(self.weights.numpy())
 
     def _whole(self, searched: np.ndarray) -> np.ndarray:
-        """Return all weights (n_params,) of a candidate, of which the last are the searched weights (searched,)."""
+        """Return all weights (n_params,) of a candidate: the policy's, with `searched` (searched,) as the last."""
         return np.concatenate([self.weights.numpy()[: -self.searched], searched]).astype(np.float32)
 
     def _returns(self, tries: Sequence[tuple[np.ndarray, int]], callback: BaseCallback) -> np.ndarray:
-        """Run an episode of each (candidate, seed), one per environment at a time; return their returns (tries,)."""
+        """Run an episode of each pair (candidate, seed) in the environments; return the episodes' returns (tries,)."""
         count = self.env.num_envs
         parts = [tries[first : first + count] for first in range(0, len(tries), count)]
         return np.concatenate([self._round(part, callback) for part in parts])

@@ -32,8 +32,8 @@ class PolicyNetwork(DeterministicController):
         mean_limit: Bound to which the mean is clipped before `output`; None stands for no bound.
 
     Raises:
-        ValueError: On construction; a layer does not fit the layer before it, or holds values other than finite
-            numbers of single precision, or a name is unknown. The message names the layer and the value.
+        ValueError: On construction, if a layer does not fit the layer before it, if its values are not finite numbers
+            of single precision, or if `activation` or `output` is unknown. The message names the layer and the value.
     """
 
     layers: tuple[Layer, ...]
@@ -70,7 +70,7 @@ class PolicyNetwork(DeterministicController):
         return self.layers[-1].biases.size
 
     def check(self, env: gymnasium.Env) -> None:
-        """Refuse an environment with another number of entries in an observation or an action, by a ValueError."""
+        """Raise a ValueError if observations or actions of the environment have another number of entries."""
         shapes = env.observation_space.shape, env.action_space.shape
         if shapes != ((self.inputs,), (self.outputs,)):
             raise ValueError(

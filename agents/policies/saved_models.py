@@ -19,7 +19,7 @@ class Architecture(NamedTuple):
 
     Attributes:
         parts: Prefixes of the layers' parameter names, from the observation to the action's mean.
-        activation: Function between the layers, unless `policy_kwargs` say otherwise.
+        activation: Function between the layers, unless the model's `policy_kwargs` name another.
         output: Function from the mean to the action.
     """
 
@@ -40,11 +40,11 @@ _OTHERS = ("critic", "actor_target", "mlp_extractor.value_net", "value_net", "lo
 
 
 def read_model(path: str | Path) -> PolicyNetwork:
-    """Read the network of the deterministic action from a model that `model.save` has written.
+    """Read the network that computes a deterministic action from a file that Stable-Baselines3's `model.save` wrote.
 
     Raises:
         FileNotFoundError: The file does not exist.
-        ValueError: The file is not a saved model, is damaged, or its policy has other layers than `ARCHITECTURES`.
+        ValueError: The file is not a saved model, is damaged, or no entry of `ARCHITECTURES` fits its policy.
     """
     path = Path(path)
     if not path.is_file():
@@ -62,7 +62,7 @@ def read_model(path: str | Path) -> PolicyNetwork:
 
 
 def _network(parameters: dict[str, np.ndarray], settings: dict[str, Any]) -> PolicyNetwork:
-    """Make the network from a policy's parameters by name and the saved `settings` of the model."""
+    """Make the network from a policy's parameters (name -> array) and the `settings` saved with the model."""
     acting = {name: value for name, value in parameters.items() if not name.startswith(_OTHERS)}
     stems = list(dict.fromkeys(name.rpartition(".")[0] for name in acting))
     for architecture in ARCHITECTURES.values():

@@ -21,12 +21,12 @@ def _turning(spin: float, arm: Point) -> Point:
 
 
 def _outward(row: JointRow) -> float:
-    """Return the angle [rad] of a panel in line with its inboard body: pi at a mirrored wing's root, otherwise 0."""
+    """Return a panel's angle [rad] when in line with its inboard body: pi at a mirrored wing's root, otherwise 0."""
     return math.pi if row.side < 0 and row.inboard == MAIN_BODY else 0.0
 
 
 def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mechanism:
-    """Describe the deployed array at rest; a linear spring as stiff as the latch holds every joint at its lock angle.
+    """Build the deployed array at rest: a linear spring as stiff as the latch holds every joint at its lock angle.
 
     The joints are ideal, without play and friction, because the mechanism serves to study small vibrations.
     """
@@ -42,11 +42,11 @@ def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mech
 
 
 def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearance") -> Mechanism:
-    """Describe the folded array with its initial rates as a mechanism.
+    """Build the mechanism of the folded array, which starts with the initial spin and joint rates of `parameters`.
 
     Args:
         parameters: parameters of the array.
-        model: level of the model, see `ModelLevel`.
+        model: level of model fidelity or its name, see `ModelLevel`.
 
     Raises:
         ValueError: if the level is unknown or does not fit a parameter.
@@ -55,7 +55,7 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
 
 
 def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float]) -> Mechanism:
-    """Describe the array at the given joint angles [rad], 0 for the folded position, as a mechanism."""
+    """Build the array's mechanism at the given joint angles [rad], one per joint; 0 is the folded position."""
     bodies, joints, cables = [_main_body(p)], [], []
     for row, opened in zip(p.joints, joint_angles, strict=True):
         if row.inboard == MAIN_BODY:
@@ -78,7 +78,7 @@ def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float])
 
 
 def _main_body(p: ArrayParameters) -> AnyBody:
-    """Return the main body; its base points are (0, hinge_y) and (body_length, hinge_y) from the centroid."""
+    """Return the main body; its base points are (0, hinge_y) and (body_length, hinge_y) from the centroid [m]."""
     return Body(
         "main body",
         p.body_mass,
@@ -133,14 +133,14 @@ def _cable(p: ArrayParameters, inner: JointRow, outer: JointRow) -> CableLoop:
 
 
 def main_body_corners(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the main body's corners (..., 4, 2) [m], in order of the outline, from its two base points (..., 2, 2)."""
+    """Compute the main body's corners (..., 4, 2) [m], in outline order, from its base points (..., 2, 2) [m]."""
     centroid, along, across = main_body_frame(parameters, base_points)
     half, corners = parameters.body_size / 2, ((-1, -1), (1, -1), (1, 1), (-1, 1))
     return np.stack([centroid + half * (i * along + j * across) for i, j in corners], axis=-2)
 
 
 def main_body_frame(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """Return the main body's centroid [m] and two unit axes, (..., 2) each, from its two base points (..., 2, 2)."""
+    """Compute (centroid [m], unit x axis, unit y axis) of the main body, (..., 2) each, from its two base points."""
     along = base_points[..., 1, :] - base_points[..., 0, :]
     along = along / np.hypot(along[..., :1], along[..., 1:])
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)

@@ -32,22 +32,22 @@ def simulate(
 
     Args:
         parameters: a parameter set, or changes by name to the preset.
-        preset: name of a parameter set, see `ArrayParameters.preset`.
-        model: level of the model, such as "flexible-clearance:8 modes", see `ModelLevel`.
+        preset: name of the parameter set that the changes modify, see `ArrayParameters.preset`.
+        model: level of model fidelity, such as "flexible-clearance:8 modes", see `ModelLevel`.
         duration: simulated time [s].
-        integrator, rtol: settings of a method, such as `RungeKutta(rtol=1e-8)`; or the name of a method, such as
-            "rosenbrock", with a local error tolerance; see `array.methods.make_integrator`.
+        integrator, rtol: settings of an integrator, such as `RungeKutta(rtol=1e-8)`; or the name of an integrator, such
+            as "rosenbrock", and a local error tolerance; see `array.methods.make_integrator`.
         output_step: time between samples [s]; independent of the integration step.
-        progress: function that is called now and then with the simulated time [s], without effect on the result.
+        progress: function that is called repeatedly with the simulated time [s]; it does not affect the result.
 
     Returns:
-        The trajectory. With flexible panels and the explicit integrator, its metadata count `stability_bound_steps`.
-        If these steps are many, numerical stability for the panels' axial vibration limits the step size, and a looser
-        tolerance does not make the run cheaper.
+        The trajectory. With flexible panels and the explicit integrator, its metadata count `stability_bound_steps`:
+        steps that numerical stability for the panels' axial vibration kept short. If there are many, a looser tolerance
+        does not make the run cheaper.
 
     Raises:
         ValueError: for an unknown name or a refused value, or if arguments contradict each other.
-        SimulationError: if the run cannot go on.
+        SimulationError: if the run cannot continue.
 
     Warns:
         SimulationWarning: if the result may be inaccurate, see `Simulation.check`; or if the contact law does not
@@ -71,7 +71,7 @@ def simulate(
 
 
 def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
-    """Return the array parameters of a deployment, and the model arrays for its coordinates, from its metadata."""
+    """Rebuild a deployment's array parameters, and the model arrays for its coordinates, from its metadata."""
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
     mechanism = build(parameters, details["model"])
@@ -79,7 +79,7 @@ def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
 
 
 def hub_place(parameters: ArrayParameters, model: ModelArrays, q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the hub's centroid position [m] and its angle [rad], between -pi and pi, as columns (nt, 3)."""
+    """Compute hub centroid x, y [m] and angle [rad], in -pi to pi, as columns (nt, 3), from coordinates `q` (nt, n)."""
     centroid, along, _ = main_body_frame(parameters, centreline(model, q, 0))
     return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
 

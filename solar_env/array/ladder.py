@@ -1,4 +1,4 @@
-"""The ladder of model levels: the questions that levels answer, and the cheapest level for a question and tolerance.
+"""Levels of model fidelity by cost and error (the ladder), and the cheapest level for a question and a tolerance.
 
 Errors and costs of the levels are read from a table that `solar-env ladder` measured.
 """
@@ -29,14 +29,16 @@ _LARGEST_TOLERANCE = 10.0  # largest tolerance accepted; a greater one was meant
 
 @dataclass(frozen=True)
 class Answer:
-    """Error and cost of one model level, named as `ModelLevel.of` takes it, for one of the QUESTIONS.
+    """Error and cost of one model level for one of the QUESTIONS, measured by an ensemble of simulations.
 
     Attributes:
+        question, level: a key of QUESTIONS, and the level's name as `ModelLevel.of` takes it.
         error: relative error of an ensemble's mean against a reference that is finer than all levels; the error of the
             worst joint if there are several joints.
         half_width: half the width of the error's 95 % sampling band.
         cost_ratio: wall time divided by the wall time of the reference, measured side by side.
         evaluations: mean number of right-hand side evaluations per member of the ensemble.
+        members: number of ensemble members.
     """
 
     question: str
@@ -72,7 +74,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """Return the answers that `cheapest` can choose, finest first; each serves tolerances below the next `bound`."""
+    """Return the answers that `cheapest` may choose for a question, by rising `bound`, each cheaper than the last."""
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
         if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
@@ -106,5 +108,5 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
 
 
 def cheapest_level(question: str, tolerance: float) -> str:
-    """Return the name of the cheapest model level that answers a question within a relative tolerance, for `model=`."""
+    """Return the name (for `model=`) of the cheapest level that answers a question within a relative tolerance."""
     return cheapest(read_answers(), question, tolerance).level

@@ -1,4 +1,4 @@
-"""Model levels and their names: panels are rigid or flexible with some fineness, joints are ideal or have clearance."""
+"""Levels of model fidelity and their names: panels are rigid or flexible, joints are ideal or have clearance."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WORD = re.compile(r"(?P<name>[^:]+)(: *(?P<count>\d+) (?P<unit>mode|element)s?)
 
 @dataclass(frozen=True)
 class ModelLevel:
-    """A level of the model, named like "rigid-clearance", "flexible-ideal:6 elements" or "flexible-clearance:8 modes".
+    """A level of model fidelity, like "rigid-clearance", "flexible-ideal:6 elements" or "flexible-clearance:8 modes".
 
     Attributes:
         panels: "rigid" or "flexible".
@@ -30,7 +30,7 @@ class ModelLevel:
         count: number of modes or elements in each panel; 0 for rigid panels.
 
     Raises:
-        ValueError: on construction, if the panels cannot have this count.
+        ValueError: on construction, if panels of this kind cannot have this number of modes or elements.
     """
 
     panels: str
@@ -45,7 +45,7 @@ class ModelLevel:
 
     @classmethod
     def of(cls, word: str | Self) -> Self:
-        """Return the level with a given name; an unknown name raises a ValueError that suggests similar names."""
+        """Return the level that `word` names, or `word` if it is a level; an unknown name raises a ValueError."""
         if isinstance(word, cls):
             return word
         found = _WORD.fullmatch(word) if isinstance(word, str) else None
@@ -62,7 +62,7 @@ class ModelLevel:
 
     @property
     def name(self) -> str:
-        """Name of the level without the panels' fineness, one of MODELS."""
+        """Name of the level without the number of modes or elements, one of MODELS."""
         return f"{self.panels}-{self.joints}"
 
     @property
@@ -77,20 +77,20 @@ class ModelLevel:
 
     @property
     def modal(self) -> bool:
-        """True if modes describe the panels."""
+        """True if bending modes in a floating frame describe the panels."""
         return self.unit == MODES
 
     @property
     def size(self) -> str:
-        """The fineness of the panels in words: "32 modes", or "rigid"."""
+        """Number of modes or elements of each panel in words, such as "32 modes"; or "rigid"."""
         return f"{self.count} {self.unit[:-1] if self.count == 1 else self.unit}" if self.unit else RIGID
 
     def __str__(self) -> str:
-        """Return the shortest name of the level, without the default fineness."""
+        """Return the shortest name of the level, which leaves out the default number of modes."""
         return self.name if self.size in (RIGID, f"{DEFAULT_MODES} {MODES}") else f"{self.name}:{self.size}"
 
     def body(self, panel: PanelRow, name: str, motion: dict[str, Any]) -> AnyBody:
-        """Describe a panel as a body of this level; `motion` holds keywords for the body's motion at t = 0."""
+        """Return a panel's description at this level; `motion` has its position, angle, velocity and spin at t = 0."""
         if not self.flexible:
             return Body(name, panel.mass, panel.inertia, panel.length, (panel.centroid, 0.0), **motion)
         elastic = panel.axial_stiffness, panel.bending_stiffness, panel.damping

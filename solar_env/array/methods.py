@@ -1,4 +1,4 @@
-"""The integrator of a deployment, by name or by default for a model level, and whether its kernels are compiled."""
+"""Choice of a deployment's integrator by name or by model level, and notes on whether its kernels are compiled."""
 
 import sys
 from collections.abc import Iterable
@@ -17,7 +17,7 @@ from solar_env.mechanics.integrators.settings import (
 )
 
 PAPER = "paper"
-# Names of integrators on the command line: every method, and "paper" for the method with the paper's settings.
+# Names of integrators on the command line: every integrator, and "paper" for one with the paper's settings.
 INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 
 
@@ -45,15 +45,15 @@ def make_integrator(
     """Return the integrator that a user chooses by name or by settings, or the default of the model level.
 
     Args:
-        integrator: settings, None, or a name ("runge-kutta", "rosenbrock" and "modal-radau" adapt their steps, which
-            `step` bounds; "generalized-alpha", rho_inf = 0.8, takes a fixed `step`, 1e-4 s by default) or "paper"
-            (generalized-alpha with beta = 1/4, gamma = 1/2).
-        model: level of the model.
-        step: fixed step, or bound on adaptive steps [s].
+        integrator: settings; None for the default; or a name: "runge-kutta", "rosenbrock" and "modal-radau" adapt their
+            steps; "generalized-alpha" (rho_inf = 0.8) takes fixed steps, 1e-4 s by default; "paper" is the latter with
+            beta = 1/4, gamma = 1/2.
+        model: level of model fidelity or its name, see `ModelLevel`.
+        step: fixed step size, or greatest adaptive step size [s].
         rtol: local error tolerance.
 
     Raises:
-        ValueError: if `integrator` is no method or cannot step the level's panels, or if an option does not apply.
+        ValueError: `integrator` is unknown or cannot integrate the level's panels, or an option does not apply to it.
     """
     level = ModelLevel.of(model)
     default = default_integrator(level)
@@ -106,12 +106,12 @@ def announce_compilation(integrator: str) -> None:
 
 @cache
 def mark_compiled(integrator: str) -> None:
-    """Mark the kernels of an integrator that has run as compiled, by a file beside the cached kernels."""
+    """Record that an integrator's kernels are compiled, by creating a file beside the cached kernels."""
     _mark(integrator).touch()
 
 
 def _mark(integrator: str) -> Path:
-    """Return the file, beside the cached kernels, that marks an integrator's kernels as compiled."""
+    """Return the path of the file, beside the cached kernels, that marks an integrator's kernels as compiled."""
     from solar_env.mechanics.integrators import run
     from solar_env.mechanics.numerics.jit import cache_folder
 

@@ -35,7 +35,7 @@ class Motorization:
         angles: joint angles from the folded position to the lock [rad].
         driving: sum of the opening torques of spring, harness and weight [N m].
         resisting: sum of the resistances [N m].
-        asked: driving torque for which the standard asks [N m].
+        asked: driving torque that the standard requires [N m].
     """
 
     name: str
@@ -72,8 +72,8 @@ def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None 
     """Compare driving and resisting torques of every hinge, and of each whole wing if cable loops couple its hinges.
 
     Args:
-        parameters: array parameters. The motor does not count, nor the friction of the journals, still unloaded.
-        factors: changes to FACTORS.
+        parameters: array parameters. Motor torque is left out, and journal friction too: journals are still unloaded.
+        factors: uncertainty factors by resistance, which replace entries of FACTORS.
 
     Raises:
         ValueError: a factor is unknown, or not positive.
@@ -95,7 +95,7 @@ def weakest(parameters: ArrayParameters, ranges: Ranges) -> ArrayParameters:
 
 
 def slowest_damper(parameters: ArrayParameters, duration: float) -> float:
-    """Compute the damping [N m s/rad] with which the weakest hinge, by its mean torque, opens within a duration [s].
+    """Compute the greatest damping [N m s/rad] with which mean driving torques open every hinge within `duration` [s].
 
     Raises:
         ValueError: a hinge has no torque.
@@ -128,7 +128,7 @@ def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) ->
 
 
 def _weight(p: ArrayParameters, joint: int) -> Array:
-    """Compute the torque (angles,) [N m] on a joint from weight that hangers do not carry; all joints open in step."""
+    """Compute the torque (angles,) [N m] of unsupported panel weight about a joint; all joints open in proportion."""
     opened = np.array([row.sign * (np.linspace(0.0, row.lock_angle, _ANGLES) - row.fold_angle) for row in p.joints])
     turned = np.concatenate([np.cumsum(wing, axis=0) for wing in np.split(opened, p.wings)])
     turned[p.panel_count :] += np.pi  # a mirrored wing begins at the main body's other side
@@ -152,7 +152,7 @@ def _tabulated(table: tuple[tuple[float, float], ...], angles: Array) -> Array:
 
 
 def _together(hinges: tuple[Motorization, ...]) -> Motorization:
-    """Add up the torques of coupled hinges at the first hinge's angle; angles stay in the ratio of the lock angles."""
+    """Sum torques of hinges coupled by cable loops, reduced to the first hinge by the ratios of the lock angles."""
     first = hinges[0].angles
     total = [
         sum(getattr(hinge, name) * (hinge.angles[-1] / first[-1]) for hinge in hinges)

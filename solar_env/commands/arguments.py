@@ -50,11 +50,7 @@ class WorkerOptions(QuietOption):
 
     @property
     def workers(self) -> int:
-        """Number of processes; -1 for one per processor.
-
-        Raises:
-            ValueError: The number of processes is not positive.
-        """
+        """Number of processes, or -1 for one per processor; a number below 1 raises a ValueError."""
         if self.jobs is not None and self.jobs < 1:
             raise ValueError(f"jobs = {self.jobs!r} must be at least 1")
         return self.jobs or -1
@@ -71,10 +67,10 @@ class ArrayOption:
 
     @property
     def parameter_file(self) -> ParameterFile:
-        """Parameters and ranges of the array: from a file if `array` has a suffix, otherwise of the named array.
+        """Parameters and ranges of the array: read from the file `array` if it has a suffix, otherwise found by name.
 
         Raises:
-            ValueError, OSError: No array has this name, or the file cannot be read, or is refused.
+            ValueError, OSError: no array has this name, or the file cannot be read or has refused content.
         """
         return read_parameters(self.array) if Path(self.array).suffix else named_array(self.array)
 
@@ -95,11 +91,11 @@ class FolderOptions:
 
         Args:
             name: name of the folder if `out` is None.
-            tables, figures: folders of the study's page, if the page has such folders.
+            tables, figures: folders of the study's page, which replace `out` if `readme` is set.
 
         Raises:
-            ValueError: if both a folder and the page are asked for.
-            FileNotFoundError: if the folder to draw figures from does not exist.
+            ValueError: if both `out` and `readme` are given.
+            FileNotFoundError: if `draw` is set and the folder of tables does not exist.
         """
         if self.readme and self.out is not None:
             raise ValueError("--readme writes into the page of the study: leave out --out, or --readme")
@@ -115,11 +111,11 @@ class FolderOptions:
 def parse_assignments(pairs: Sequence[str]) -> dict[str, object]:
     """Turn `key=value` or `key:value` strings into a dictionary.
 
-    Values are Python literals (`ast.literal_eval`), or true, false and null as in files; another bare word such as
+    Values are Python literals (`ast.literal_eval`), or true, false and null as in JSON; another bare word such as
     `rigid-ideal` is a string.
 
     Raises:
-        ValueError: A pair has no key or no value, repeats a key, or has a value that is neither literal nor word.
+        ValueError: a pair has no key or no value, repeats a key, or has a value that is neither literal nor word.
     """
     result: dict[str, object] = {}
     for pair in pairs:
@@ -175,7 +171,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
 
 
 def _senseless(cls: type, argv: Sequence[str]) -> str:
-    """Return an error for wrong input that tyro accepts: empty words, as of unset variables, or a repeated option."""
+    """Return an error message, or "", for input that tyro wrongly accepts: empty words, or key=value pairs twice."""
     hints = get_type_hints(cls, include_extras=True)
     pairs = {f"--{name.replace('_', '-')}" for name, kind in hints.items() if kind == Assignments}
     options = [word.partition("=")[0] for word in argv if word.startswith("--")]

@@ -1,4 +1,4 @@
-"""`solar-env design`: a search for values of some parameters that minimise a figure of the deployment."""
+"""`solar-env design`: a search for the values of some parameters that minimise a quantity of the deployment."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -39,7 +39,7 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Find the best design, print the answer, write the table of designs and draw the picture."""
+    """Find the best design, print its values, write the table of the designs tried, and draw the picture."""
     from solar_env.array import default_integrator
     from solar_env.commands.warmup import warm_up
     from solar_env.studies.common.tables import provenance, write_table
@@ -66,6 +66,6 @@ def run_command(args: Args) -> int:
 
 
 def ranges(words: Sequence[str]) -> dict[str, object]:
-    """Turn words such as "latch_damping" and "hinge_damping=0,5" into ranges by name; None for a missing range."""
+    """Turn words like "hinge_damping=0,5" (a range) and "latch_damping" (None) into ranges by parameter name."""
     given = parse_assignments([word for word in words if "=" in word])
     return {**dict.fromkeys(word.strip() for word in words if "=" not in word), **given}

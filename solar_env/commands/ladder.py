@@ -1,4 +1,4 @@
-"""`solar-env ladder`: measurements of model levels, and the cheapest level that answers a question."""
+"""`solar-env ladder`: measurements of levels of model fidelity, and the cheapest level that answers a question."""
 
 import math
 from dataclasses import dataclass
@@ -55,10 +55,10 @@ def run_command(args: Args) -> int:
 
 
 def choices(answers: tuple[Answer, ...]) -> str:
-    """Make a table in Markdown of the levels, cheapest first, with the tolerance down to which each answers a question.
+    """Return a Markdown table of model levels, cheapest first, with the tolerance to which each answers each question.
 
-    Tolerances are the errors of the levels, sampling included, rounded up to two digits. A cell is empty where another
-    level answers at less cost, and where the error may be as large as the answer.
+    Tolerances are the errors of the levels, sampling included, rounded up to two digits. An entry is empty where
+    another level answers at less cost, and where the error may be as large as the answer.
     """
     told: dict[str, dict[str, Answer]] = {}
     for question in QUESTIONS:

@@ -38,10 +38,10 @@ class Player:
 
     Attributes:
         torque: motor torque divided by the limit, -1 to 1.
-        paused: true while `tick` does nothing.
-        running: false once the window should close.
+        paused: whether `tick` does nothing.
+        running: whether the window should stay open.
         score: sum of the rewards so far.
-        ended: true once the episode has ended.
+        ended: whether the episode has ended.
     """
 
     def __init__(self, env: Any, seed: int) -> None:
@@ -61,7 +61,7 @@ class Player:
         self._frame = self._env.render()
 
     def press(self, key: int) -> None:
-        """Change the torque, or pause, restart or end the game, by a pygame key."""
+        """Change the torque, or pause, restart or end the game, according to a pygame key code."""
         game = self._game
         if key in (game.K_LEFT, game.K_RIGHT):
             change = (1.0 if key == game.K_RIGHT else -1.0) / _STEPS

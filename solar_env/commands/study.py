@@ -28,7 +28,7 @@ class Args(FolderOptions, WorkerOptions, CommandRecord):
     """fewer and shorter runs"""
 
     def parts(self, known: Iterable[str]) -> list[str]:
-        """Return the parts of the study named by `--only`, or all known parts.
+        """Return the parts of the study that `--only` names, or all `known` parts without `--only`.
 
         Raises:
             ValueError: if a part is not known; the message names the closest known parts.

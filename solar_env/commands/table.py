@@ -14,7 +14,7 @@ STUDIES = "solar_env.studies"
 
 
 def rows(group: str) -> dict[str, str]:
-    """Return the module of every entry point in a group, by name; the pyproject.toml of a source tree adds entries."""
+    """Return the module of every entry point in a group, by name; a source tree's pyproject.toml adds entry points."""
     found = {point.name: point.value for point in entry_points(group=group)}
     source = PACKAGE.parent / "pyproject.toml"
     if source.is_file():
@@ -23,11 +23,7 @@ def rows(group: str) -> dict[str, str]:
 
 
 def load(group: str, name: str) -> Any:
-    """Import and return the module of a command or study.
-
-    Raises:
-        ValueError: if no entry point has this name.
-    """
+    """Import and return the module of the command or study `name`; an unknown name raises a ValueError."""
     found = rows(group)
     if name not in found:
         kind, listed = ("command", "solar-env") if group == COMMANDS else ("study", "solar-env study")
@@ -36,6 +32,6 @@ def load(group: str, name: str) -> Any:
 
 
 def summaries(group: str, what: str) -> dict[str, str]:
-    """Return the first docstring paragraph of `what` in every module of a group, by entry name, without imports."""
+    """Return, by entry name, the first docstring paragraph of `what` in each module of a group, without imports."""
     sentences = {name: docstring(module, what).partition("\n\n")[0] for name, module in rows(group).items()}
     return {name: sentence.replace("\n", " ").rstrip(".") for name, sentence in sentences.items()}

@@ -22,7 +22,7 @@ class Args(QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Run the cases, print the checks, write the checks if requested; return 1 if a check fails, otherwise 0."""
+    """Run the cases, print the checks, and write them if requested; return 1 if a check fails, otherwise 0."""
     from solar_env.verification.suite import CASES, run
 
     names = [args.only] if args.only else list(CASES)

@@ -14,7 +14,7 @@ from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage
 
 # Integrators by compilation job, in order. The first two jobs share almost no kernels. Kernels that the last job shares
-# with the first are compiled by then. The two methods of the first job have the same kernels.
+# with the first are compiled by then. The two integrators of the first job have the same kernels.
 _ORDER = ((RungeKutta.name, Rosenbrock.name), (ModalRadau.name,), (GeneralizedAlpha.name,))
 
 
@@ -24,7 +24,7 @@ class Args:
 
 
 def load_kernels(model: str, integrator: str) -> float:
-    """Simulate 1 ms with a model, so that its kernels are compiled or loaded; return the wall time [s]."""
+    """Simulate 1 ms, so that a model's kernels for an integrator are compiled or loaded; return the wall time [s]."""
     from solar_env.mechanics.running.simulation import Simulation
 
     start, level = time.perf_counter(), ModelLevel.of(model)
@@ -36,7 +36,7 @@ def load_kernels(model: str, integrator: str) -> float:
 
 
 def load_all_models(integrators: Sequence[str]) -> dict[str, list[float]]:
-    """Load the kernels of some integrators, which models share, for every model; return the wall times [s]."""
+    """Load the kernels of some integrators for every model level; return the wall times [s] by integrator."""
     return {integrator: [load_kernels(model, integrator) for model in MODELS] for integrator in integrators}
 
 
@@ -44,7 +44,7 @@ def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
     """Compile the kernels of all integrators in two processes.
 
     Yields:
-        Name of an integrator, with its loading times [s] for each of MODELS.
+        (name of an integrator, list of its loading times [s], one for each model level in MODELS).
     """
     # Joblib, used elsewhere, will not do: it takes the memory of compiling for a leak, and restarts its workers.
     pool = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
@@ -62,7 +62,7 @@ def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
 
 
 def warm_up(console: Console, model: str, integrator: str) -> None:
-    """Compile or load the kernels of a model for an integrator, and show this stage on a console."""
+    """Compile or load a model's kernels for an integrator, and show the name of this stage on a console."""
     with stage(console, f"loading kernels of {model}, {integrator}{compilation_note([integrator])}"):
         load_kernels(model, integrator)
 

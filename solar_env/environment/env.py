@@ -26,7 +26,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     The physics follows Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209. Between two actions the
     simulation takes adaptive steps: 1e-5 to 1e-2 s with rigid panels, 1e-5 to 3e-3 s with flexible panels.
-    Everything is deterministic; `reset(seed=...)` fixes the draws of `randomize` and the noise.
+    Everything is deterministic; `reset(seed=...)` fixes the samples of `randomize` and the noise.
 
     | Quantity | Keyword | Value |
     |----------|---------|-------|
@@ -49,12 +49,12 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     hinge in 0.8 of the deadline. An action of -1 slows the hinge down to a ninetieth of that rate.
 
     A feedback loop holds the setpoint. With rigid panels it sets the motor torque 20 times a second to 25 N m s/rad
-    times the rate error. That gain would shake flexible panels; theirs is 12 N m s/rad, 100 times a second. A driven
-    panel of less than 1.25 kg m2 about its hinge, such as a yoke, needs `hardware={"rate_loop_frequency": 100}`. The
-    loop subtracts the springs' torque, by their parameters before any random draw. The torque stays within the limit
-    and passes a low-pass filter of 0.1 s. The setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes
-    the loop; arrays of four or more panels need a greater `rate_loop_gain`. After the last latching the drive alone
-    brings the array to rest with a setpoint of 0; the step of that latching lasts until the episode ends.
+    times the rate error. That gain would shake flexible panels; theirs is 12 N m s/rad, 100 times a second. A light
+    driven panel, such as a yoke, gets more samples a second. The loop subtracts the springs' torque, by their
+    parameters before random sampling. The torque stays within the limit and passes a low-pass filter of 0.1 s. The
+    setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes the loop; arrays of four or more panels
+    need a greater `rate_loop_gain`. After the last latching the drive alone brings the array to rest with a setpoint
+    of 0; the step of that latching lasts until the episode ends.
 
     With `action="torque"` an action is the motor torque divided by the limit; positive torques open the hinge. With
     several driven joints, such as `driven_joint=(0, 1)`, each has a motor, a loop and an entry of the action, in order.
@@ -78,10 +78,10 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Rewards
 
-    The reward is the sum of the terms in `info["reward_terms"]`. Each term is minus the growth of a physical figure's
-    cost in this step. With x = `min(figure / scale, bound)` the cost is `weight * x`, or in the form "decades"
-    `weight * log10(1 + x)`. Over an episode a term adds up to minus the figure's final cost. The keyword `reward`
-    changes weights, scales, bounds and forms; terms of weight 0 are left out.
+    The reward is the sum of the terms in `info["reward_terms"]`. Each term charges a physical quantity, the "figure":
+    in each step it is minus the growth of the figure's cost. With x = `min(figure / scale, bound)` the cost is
+    `weight * x`, or `weight * log10(1 + x)` in the form "decades". Over an episode a term adds up to minus the final
+    cost. The keyword `reward` changes weights, scales, bounds and forms; terms of weight 0 are left out.
 
     <terms>
 
@@ -99,8 +99,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Starting State
 
-    The array is folded, at rest unless the parameters say otherwise, with centred journals. Every reset draws the
-    parameters of `randomize` anew. Springs, clearances and initial rates are drawn separately for every joint, other
+    The array is folded, at rest unless the parameters say otherwise, with centred journals. Every reset samples the
+    parameters of `randomize` anew. Springs, clearances and initial rates are sampled separately for every joint, other
     parameters only if their bounds are given by joint.
 
     ## Episode End
@@ -114,7 +114,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Information
 
-    Every step has `time_s` and `reward_terms`. The last step also has `deployment`, the figures of the episode. Figures
+    Every step has `time_s` and `reward_terms`. The last step also has `deployment`, the results of the episode. Results
     of the array are `latched`, `motor_work_J`, `energy_residual_J`, `duration_s`, and `v1_return`, the return of the
     same deployment at the prices of version 1. Lists by joint are `latch_times_s`, `peak_latch_torque_Nm`,
     `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`, `postlock_impulse_Ns`,
@@ -157,15 +157,15 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     @property
     def episode_parameters(self) -> ArrayParameters:
-        """Array parameters of the present episode, after the random draw and the changes by reset options."""
+        """Array parameters of the present episode, after random sampling and the changes by reset options."""
         return self._episodes.parameters[0]
 
     def futures(self, lanes: int, threads: int | None = None) -> Episodes:
-        """Copy the present episode into `lanes` new episodes, in which to try futures; see `Episodes.futures`."""
+        """Return episodes that continue `lanes` copies of the present one, to try actions; see `Episodes.futures`."""
         return self._episodes.futures(0, lanes, threads)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
-        """Begin an episode with a folded array and newly drawn parameters.
+        """Begin an episode with a folded array and newly sampled parameters.
 
         The option {"parameters": {name: value}} changes parameters for this episode.
 
@@ -188,7 +188,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.
             ValueError: if the action has the wrong shape, is not finite, or is no number.
-            SimulationError: if the simulation cannot go on, or takes more than `max_steps` steps.
+            SimulationError: if the simulation cannot continue, or takes more than `max_steps` integration steps.
             RuntimeError: if another thread is in a call to this environment.
 
         Warns:

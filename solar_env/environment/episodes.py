@@ -13,7 +13,7 @@ from solar_env.array import ArrayParameters, announce_compilation, mark_compiled
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
 from solar_env.environment.task.drive import task_numbers
-from solar_env.environment.task.periods import hold_lanes, make_periods, observe_lanes
+from solar_env.environment.task.periods import error_count, hold_lanes, make_periods, observe_lanes
 from solar_env.environment.task.reward import Told, v1_return
 from solar_env.environment.task.sensors import Memory
 from solar_env.mechanics.arrays import model as m
@@ -26,7 +26,7 @@ Info = dict[str, Any]  # Gymnasium's `info` of a step, or the figures of a deplo
 
 
 class SavedEpisode(NamedTuple):
-    """A copy of an episode between two steps, see `Episodes.save`: parameters, conditions, simulation state (contacts
+    """A copy of an episode between two steps, see `Episodes.save`: parameters, settings, simulation state (contacts
     included), reward terms with their accounts, and the memories of drives and sensors.
     """
 
@@ -53,13 +53,18 @@ class Episodes:
     """
 
     def __init__(self, lanes: Sequence[EnvironmentSettings], threads: int | None = None) -> None:
-        """Allocate the arrays of all lanes; `reset` begins the episodes. `threads` is as in `Batch`."""
+        """Allocate the arrays of all lanes, which at most `threads` threads advance; `reset` begins the episodes."""
         self.lanes, self.settings = tuple(lanes), lanes[0]
         self.parameters, settings = [of_lane.array for of_lane in lanes], self.settings
         self._sensors = settings.sensors(len(lanes))
         numbers = [task_numbers(each.task, each.devices, each.array) for each in lanes]
-        self._numbers = numbers[0]._replace(motors=np.stack([of_lane.motors for of_lane in numbers]))
-        self._periods = make_periods(len(lanes), self._numbers, settings.terms.rows.size, self._sensors.exact)
+        self._error_counts = [error_count(of_lane) for of_lane in numbers]
+        self._numbers = numbers[0]._replace(
+            sample_period=np.array([of_lane.sample_period for of_lane in numbers]),
+            motors=np.stack([of_lane.motors for of_lane in numbers]),
+        )
+        about = len(lanes), len(numbers[0].motors), max(self._error_counts), settings.terms.rows.size
+        self._periods = make_periods(*about, self._sensors.exact)
         self.observations, self.terminated = self._sensors.observed, self._periods.terminated
         self.rewards, own = self._periods.rewards, settings.terms.function is not None
         self.terms = self.rewards[:, np.newaxis] if own else self._periods.terms
@@ -69,7 +74,7 @@ class Episodes:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Claim the episodes for this block; a RuntimeError is raised if another block has claimed them."""
+        """Claim the episodes for a `with` block; a RuntimeError is raised if another block has claimed them."""
         if self._busy:
             raise RuntimeError(
                 "this environment is in another call just now: give every thread an environment of its own, or take a "
@@ -94,16 +99,17 @@ class Episodes:
         return np.array(self.batch.states.clock["time"][:, 0])
 
     def check_lanes(self, lanes: NDArray[np.int64]) -> None:
-        """Raise ResetNeeded if the first reset leaves out some lanes."""
+        """Raise ResetNeeded if `lanes` (k,) of the first reset leave out a lane."""
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
 
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
-        """Begin episodes in lanes (k,) with folded arrays and drawn parameters; the first call must name all lanes.
+        """Begin episodes in `lanes` (k,) with folded arrays and sampled parameters; the first call must name all lanes.
 
-        `changes` (k,) override drawn parameters; callers check them first with `EnvironmentSettings.check_changes`.
+        `generators` (k,) are the lanes' random generators. `changes` (k,) replace sampled parameters; callers check
+        them first with `EnvironmentSettings.check_changes`.
         """
         announce_compilation(self.settings.integrator.name)
         drawn = [
@@ -135,7 +141,7 @@ class Episodes:
         """Advance lanes by one control period as `attempt` does, and raise the first failure.
 
         Raises:
-            SimulationError: if a lane's simulation cannot go on.
+            SimulationError: if a lane's simulation cannot continue.
             ValueError: as `checked_actions`.
         """
         raise_first(self.attempt(lanes, checked_actions(actions, self._periods.actions.shape)))
@@ -148,14 +154,14 @@ class Episodes:
             actions: (lanes, motors) see `Task.action`; clipped to [-1, 1].
 
         Returns:
-            Mapping from lane to error for simulations that cannot go on; usually empty. A failed lane keeps its last
+            Mapping from lane to error for simulations that cannot continue; usually empty. A failed lane keeps its last
             observation, and its reward is 0.
 
         Raises, Warns: as `Batch.attempt`.
         """
         batch, sensors, periods = self.batch, self._sensors, self._periods
         periods.actions[:] = actions
-        sensors.draw_rate_errors(lanes, periods.rate_errors)
+        sensors.draw_rate_errors(lanes, self._error_counts, periods.rate_errors)
         before = self._told(lanes) if self.settings.terms.function else {}
         failures = batch.run(
             hold_lanes, lanes, batch.address, self._numbers, sensors.channels, self.settings.terms.rows, periods
@@ -174,7 +180,7 @@ class Episodes:
         return failures
 
     def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
-        """Return present time and reward figures of each lane, in the form that a user's reward function takes."""
+        """Return each lane's present time and charged quantities, in the form that a user's reward function takes."""
         times, told = self.times.tolist(), self.settings.terms.told
         return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 
@@ -218,9 +224,9 @@ class Episodes:
         self._sensors.recall(lane, saved.sensors)
 
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
-        """Return new episodes whose `count` lanes continue copies of a lane's present episode; the original stays.
+        """Return new episodes whose `count` lanes continue copies of a lane's present episode, which is left unchanged.
 
-        Each copy has everything that `save` keeps, and draws the same future noise. Equal actions thus give bitwise
+        Each copy has everything that `save` keeps, and samples the same future noise. Equal actions thus give bitwise
         equal results. The copies run on at most `threads` threads.
         """
         if not is_whole_number(plain(count), 1):
@@ -239,7 +245,7 @@ class Episodes:
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> Info:
-        """Return the physical figures of a lane's episode so far, for `info["deployment"]`.
+        """Return the physical results of a lane's episode so far, by name with unit, for `info["deployment"]`.
 
         Warns:
             SimulationWarning: if the simulation may be inaccurate, see `Simulation.check`.
@@ -268,7 +274,7 @@ class Episodes:
         return {**figures, "v1_return": v1_return(figures)}
 
     def close(self) -> None:
-        """End the threads of the batch."""
+        """Stop the threads that advance the lanes."""
         if self._batch is not None:
             self._batch.close()
 
@@ -291,7 +297,7 @@ def raise_first(failures: Mapping[int, SimulationError]) -> None:
 
 
 def checked_actions(given: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return a float64 copy of actions: (motors,) for one environment, (lanes, motors) for a batch.
+    """Return `given` as float64 actions of this shape: (motors,) for one environment, (lanes, motors) for a batch.
 
     Raises:
         ValueError: if the actions have another shape, are no numbers, or are not finite.

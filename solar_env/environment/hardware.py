@@ -32,13 +32,14 @@ class Hardware:
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
         attitude_noise: standard deviation of the noise in the main body's measured direction [rad].
         rate_loop_gain: torque of the drive's rate loop per rate error [N m s/rad].
-        rate_loop_frequency: number of rate-loop samples per second [Hz]. The loop reads the rate with `rate_noise` and
-            without delay, and holds its torque from one sample to the next.
+        rate_loop_frequency: least number of rate-loop samples per second [Hz]; a driven panel so light that the loop
+            would shake it gets a multiple. The loop reads the rate with `rate_noise` and without delay, and holds its
+            torque from one sample to the next.
         rate_loop_lag: time constant of the low-pass filter on the rate loop's torque [s]; 0 for no filter. Without a
             filter the loop reacts to the journals' rattle in their bearings, and shakes flexible panels.
         setpoint_rate_limit: greatest rate of change of the rate loop's setpoint [rad/s^2].
         load_compensation: whether the rate loop subtracts the springs' torque from its own. The springs' torque follows
-            from the parameters before any random draw, since the drive's maker knows only these.
+            from the parameters before random sampling, since the drive's maker knows only these.
     """
 
     angle_noise: float = number(0.0, _NOT_NEGATIVE, _ANGLE)
@@ -69,5 +70,5 @@ class Hardware:
 
 
 def response(lag: float, period: float) -> float:
-    """Return the fraction of a jump that a first-order lag with time constant `lag` [s] reaches in a period [s]."""
+    """Return the fraction of a step change that a first-order lag follows in a period; `lag` [s]: time constant."""
     return -math.expm1(-period / lag) if lag > 0.0 else 1.0

@@ -1,4 +1,4 @@
-"""Named scenarios: the parameters drawn for each episode, and the quality of sensors and motor."""
+"""Named scenarios: the parameters sampled for each episode, and the quality of sensors and motor."""
 
 import math
 import operator
@@ -11,11 +11,11 @@ from solar_env.environment.hardware import Hardware
 
 
 class Spread(NamedTuple):
-    """Range from which a parameter is drawn, relative to the array's own value.
+    """Range from which a parameter is sampled, relative to the array's own value.
 
     Attributes:
-        low, high: second operands of `of`, whose results are the lower and the upper bound of the range.
-        of: product, sum or power, with the array's own value as first operand.
+        low, high: numbers that give the bounds of the range: of(value, low) and of(value, high).
+        of: product, sum or power, as a function of two numbers; the first is the array's own value.
     """
 
     low: float
@@ -23,19 +23,19 @@ class Spread(NamedTuple):
     of: Callable[[float, float], float] = operator.mul
 
     def around(self, value: float | tuple[float, ...]) -> tuple[Bound, Bound]:
-        """Return the lower and upper bound around a parameter's value; a value by joint gives bounds by joint."""
+        """Return the lower and upper bound around a parameter's value; values by joint give bounds by joint."""
         if isinstance(value, tuple):
             return tuple(self.of(entry, self.low) for entry in value), tuple(self.of(x, self.high) for x in value)
         return self.of(value, self.low), self.of(value, self.high)
 
 
 class Scenario(NamedTuple):
-    """A named set of default values, which the keywords of an environment change.
+    """A named set of default values, which the keywords of an environment can change.
 
     Attributes:
         title: name in the environments' ids, before the version of the task.
-        parameters: array parameters before any random draw.
-        spreads: spread of each parameter that is drawn anew for every episode, by name of the parameter.
+        parameters: array parameters before random sampling.
+        spreads: spread of each parameter that is sampled anew for every episode, by name of the parameter.
         hardware: properties of sensors and motors.
     """
 
@@ -45,7 +45,7 @@ class Scenario(NamedTuple):
     hardware: Hardware
 
     def ranges(self, array: ArrayParameters) -> Ranges:
-        """Return the ranges of drawn parameters around an array's values; a fixed main body gets no initial spin."""
+        """Return the ranges of sampled parameters around an array's values; a fixed main body gets no initial spin."""
         turns = not array.body_fixed
         values = {n: getattr(array, n) for n in self.spreads if turns or n != "initial_spin"}
         several = {n: array.for_each_joint(n) for n, value in values.items() if isinstance(value, tuple)}

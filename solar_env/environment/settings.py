@@ -31,8 +31,8 @@ class EnvironmentSettings:
     """The keywords of `gymnasium.make` and `gymnasium.make_vec` that describe an environment.
 
     Attributes:
-        model: level of the model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". Flexible
-            levels may state their fineness, as in "flexible-clearance:8 modes" (up to 200; 32 by default) or
+        model: level of fidelity: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". Flexible
+            levels may state their discretisation, as in "flexible-clearance:8 modes" (up to 200; 32 by default) or
             "flexible-ideal:6 elements" (1 to 1000). With ideal joints, joint reactions replace contact forces and
             nothing wears. `solar_env.cheapest_level("controller-ranking", 0.2)` gives the cheapest level that answers a
             question, here within 20 %.
@@ -47,11 +47,11 @@ class EnvironmentSettings:
             "form". Or a user's function, see `solar_env.environment.task.reward.RewardFunction`.
         scenario: "nominal" or "randomised"; `parameters`, `randomize` and `hardware` change the scenario's values.
         randomize: mapping of parameter names to (low, high), which replaces the scenario's ranges around the array's
-            own values. Each reset draws uniformly: by joint if a bound is a sequence by joint, and always by joint for
-            springs, clearances and initial rates.
+            own values. Each reset samples uniformly: by joint if a bound is a sequence by joint, and always by joint
+            for springs, clearances and initial rates.
         hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's hardware.
         render_mode: "rgb_array", "human" (a window, only for a single environment) or None.
-        max_steps: greatest number of steps, rejected ones included, in one control period; some hundred are usual.
+        max_steps: greatest number of integration steps, with rejected ones, in one control period; hundreds are usual.
 
     Raises:
         ValueError: on construction, for an unknown name or a refused value; the message says which.
@@ -86,7 +86,7 @@ class EnvironmentSettings:
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
-        """Make settings from keywords, with the scenario's values filled in; an unknown keyword raises a TypeError."""
+        """Make settings from keywords, completed by the scenario's values; an unknown keyword raises a TypeError."""
         known = [item.name for item in fields(cls)]
         for name in keywords:
             if name not in known:
@@ -104,17 +104,17 @@ class EnvironmentSettings:
 
     @cached_property
     def integrator(self) -> Integrator:
-        """Default integrator of the model level, limited to `max_steps`."""
+        """Default integrator of the model level, limited to `max_steps` integration steps per control period."""
         return replace(default_integrator(self.level), max_steps=self.max_steps)
 
     @property
     def frames_per_second(self) -> int:
-        """Number of control periods per second [1/s], rounded and at least 1, which Gymnasium's `play` needs."""
+        """Control periods per second [1/s], rounded to a whole number, at least 1, as Gymnasium's `play` needs."""
         return max(round(1.0 / self.task.control_period), 1)
 
     @cached_property
     def array(self) -> ArrayParameters:
-        """Array parameters before any random draw: the given set, or the scenario's set with the given changes."""
+        """Array parameters before random sampling: the given set, or the scenario's set with the given changes."""
         usual, given = SCENARIOS[self.scenario].parameters, self.parameters
         return given if isinstance(given, ArrayParameters) else usual.with_changes(given or {})
 
@@ -125,7 +125,7 @@ class EnvironmentSettings:
 
     @cached_property
     def ranges(self) -> Ranges:
-        """Range (low, high) of each drawn parameter by name; the bounds are tuples if joints are drawn separately."""
+        """Range (low, high) of each sampled parameter by name; bounds are tuples if joints are sampled separately."""
         if self.randomize is not None:
             return checked_ranges(self.array, self.randomize)
         try:
@@ -192,11 +192,11 @@ class EnvironmentSettings:
 
     @cached_property
     def conditions(self) -> dict[str, object]:
-        """Conditions of an episode by name, besides array parameters; a saved episode needs equal ones to continue."""
+        """Settings other than array parameters, by name, that must be equal for a saved episode to continue here."""
         known = {"model": str(self.level), "observation": self.observation_names, "reward": self.terms.prices}
-        motors = task_numbers(self.task, self.devices, self.array).motors
-        loads = {name: motors[name].tolist() for name in ("load", "load_slope")}
-        return {**known, **vars(self.task), **vars(self.devices), **loads}
+        numbers = task_numbers(self.task, self.devices, self.array)
+        drive = {name: numbers.motors[name].tolist() for name in ("load", "load_slope")}
+        return {**known, **vars(self.task), **vars(self.devices), **drive, "sample_period": numbers.sample_period}
 
     def sensors(self, lanes: int) -> Sensors:
         """Return the sensors of the drives for a batch of `lanes` environments."""
@@ -221,9 +221,9 @@ class EnvironmentSettings:
         return options or {}
 
     def check_changes(self, changes: Changes) -> None:
-        """Raise a ValueError if an episode cannot have some parameter changes.
+        """Raise a ValueError if an episode cannot have these changes of parameters, given by name.
 
-        Refused changes alter the mechanism's structure, or contradict values that may be drawn.
+        Refused changes alter the mechanism's structure, or contradict values that may be sampled.
         """
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
@@ -239,7 +239,7 @@ class EnvironmentSettings:
                 )
 
     def draw(self, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
-        """Draw the array parameters of one episode, and override them by `changes`."""
+        """Sample the array parameters of one episode; `changes`, by name, replace sampled values."""
         return self.array.with_changes({**drawn(self.ranges, generator), **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:

@@ -45,7 +45,7 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes; seeds and options set before are used once. A `first_seed` replaces those seeds."""
+        """Begin new episodes. Seeds and options that were set before apply once; a `first_seed` replaces the seeds."""
         if self._first_seed is not None:
             self.seed(self._first_seed)
         seeds: Any = self._seeds
@@ -84,7 +84,7 @@ class NativeVecEnv(VecEnv):
         return self.env.render()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Return each lane's attribute, such as `simulation`; lanes also have the vector environment's attributes."""
+        """Return an attribute of lanes (environments), such as `simulation`; the vector's own attributes work, too."""
         return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: object, indices: VecEnvIndices = None) -> None:
@@ -96,7 +96,7 @@ class NativeVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: object, indices: VecEnvIndices = None, **kwargs: object
     ) -> list[Any]:
-        """Call a method on each lane, such as `render`; lanes also have the methods of the vector environment."""
+        """Call a method of lanes (environments), such as `render`; the vector's own methods work, too."""
         lanes = [self.env.unwrapped.lane(lane) for lane in self._get_indices(indices)]
         return [getattr(lane, method_name)(*method_args, **kwargs) for lane in lanes]
 

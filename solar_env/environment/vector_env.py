@@ -33,7 +33,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
     The conventions are `gymnasium.vector.SyncVectorEnv`'s: an integer seed s gives lane i the seed s + i, and `info`
     holds arrays with masks. In autoreset mode SAME_STEP `info` also has `final_obs` and `final_info`. With DISABLED,
-    `reset(options={"reset_mask": mask})` begins new episodes in some lanes. If a lane's simulation cannot go on, its
+    `reset(options={"reset_mask": mask})` begins new episodes in some lanes. If a lane's simulation cannot continue, its
     episode is truncated: the reward is 0, the observation is the last one, and `info["failure"]` holds the error.
 
     Args:
@@ -99,7 +99,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, Info]:
-        """Begin episodes with folded arrays and newly drawn parameters.
+        """Begin episodes with folded arrays and newly sampled parameters.
 
         Args:
             seed: seed of lane 0, with seed + i for lane i; or a seed by lane; None continues the random sequences.
@@ -199,7 +199,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             self._add_info(infos, episodes.info(lane), lane)
 
     def lane(self, lane: int) -> "Lane":
-        """Return one lane as a single environment."""
+        """Return a view of one lane (environment) as a single environment."""
         return Lane(self, range(self.num_envs)[lane])
 
     def render(self) -> tuple[NDArray[np.uint8] | None, ...]:  # type: ignore[override]
@@ -207,7 +207,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         return tuple(self.episodes.render(lane) for lane in range(self.num_envs))
 
     def close_extras(self, **kwargs: object) -> None:
-        """End the threads of the batch."""
+        """Stop the threads that advance the lanes."""
         self.episodes.close()
 
 
@@ -231,7 +231,7 @@ def _by_lane(name: str, given: object, lanes: int) -> list[Any]:
 
 
 class Lane:
-    """A view of one lane as a single environment; attributes that a lane lacks come from the vector."""
+    """A view of one lane (environment) as a single environment; attributes that it lacks come from the vector."""
 
     def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
         self._env, self._index = env, index
@@ -255,11 +255,11 @@ class Lane:
 
     @property
     def episode_parameters(self) -> ArrayParameters:
-        """Array parameters of the lane's present episode, after the random draw and the changes by reset options."""
+        """Array parameters of the lane's present episode, after random sampling and the changes by reset options."""
         return self._env.episodes.parameters[self._index]
 
     def save_episode(self) -> SavedEpisode:
-        """Return a copy of the present episode; `restore_episode` continues the copy here or in an equal vector."""
+        """Return a copy of the present episode, for `restore_episode` of any lane in a vector with equal settings."""
         if self._env.episodes.terminated[self._index]:
             raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
         return self._env.episodes.save(self._index)

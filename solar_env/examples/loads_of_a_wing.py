@@ -1,7 +1,7 @@
-"""Find how hard the hinges of APPLE's two wings, an array from published data, are hit, and how sure the answer is.
+"""Find the loads on the hinges of APPLE, an array with two wings from published data, and their uncertainty.
 
-Impacts are chaotic, so that one run says little: an ensemble is drawn from the tolerances in the array's file. The
-ensemble runs at a model level and at the finest one. The mean difference of both levels is the discretisation error.
+Impacts are chaotic, so that one run says little: an ensemble is sampled from the tolerances in the array's file. It
+runs at a chosen and at the finest model level. The mean difference between them is the discretisation error.
 """
 
 import sys

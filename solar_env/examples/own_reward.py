@@ -1,4 +1,4 @@
-"""Score constant actions by a reward of your own: a function of the figures before and after a step.
+"""Score constant actions by a reward of your own: a function of physical quantities before and after a step.
 
 A difference of potentials, phi(after) - phi(before), adds up to phi(end) - phi(start) over an episode: it guides
 learning without changing which policy is best (A. Y. Ng, D. Harada and S. Russell, ICML 1999, 278-287).
@@ -15,7 +15,7 @@ import solar_env  # noqa: F401 (registers the environments)
 
 
 def opening_less_wear(before: Mapping[str, float], after: Mapping[str, float]) -> float:
-    """Return the opening gained in a step, in lock angles, minus the sliding work in units of 5 mJ."""
+    """Return the opening gained in a step, in lock angles, minus the sliding work done in it, in units of 5 mJ."""
     worn, opened = (after[name] - before[name] for name in ("wear", "opening"))
     return opened - worn / 5e-3
 

@@ -1,7 +1,7 @@
 """Plan with saved states: simulate torques from the present state to the end of the episode, apply the best, repeat.
 
-Copies of an episode share everything that follows, including the noise to come. With the simulator itself as the
-model, receding-horizon control lacks no knowledge: no controller can beat it by knowing more.
+Copies of an episode have the same future, including the noise to come. With the simulator itself as the model,
+receding-horizon control lacks no knowledge: no controller can beat it by knowing more.
 """
 
 import sys

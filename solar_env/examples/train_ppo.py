@@ -1,7 +1,7 @@
 """Train PPO of Stable-Baselines3 with its defaults, and plot the return of every episode.
 
-PPO (J. Schulman et al., 2017, arXiv:1707.06347) raises the expected return by gradient steps that change the
-probabilities of actions by a fifth at most. 100,000 steps take five minutes on one core.
+PPO (J. Schulman et al., 2017, arXiv:1707.06347) raises the expected return by gradient steps, which it clips where the
+probability of an action has changed by a fifth. 100,000 steps take five minutes on one core.
 """
 
 import sys

@@ -27,7 +27,7 @@ def write_gif(images: Sequence[Image.Image], path: Path, rate: float) -> None:
 
 
 def captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
-    """Scale a frame to a width [pixels], and write a name above the frame."""
+    """Return a frame (height, width, 3), scaled to a width [pixels], with a name written above it."""
     image = Image.fromarray(frame)
     height = round(width * image.height / image.width)
     shown = Image.new("RGB", (width, CAPTION + height), "white")
@@ -37,7 +37,7 @@ def captioned(frame: np.ndarray, name: str, width: int) -> Image.Image:
 
 
 def write_film(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
-    """Write films above one another as one film; a film that ends first stays on its last frame."""
+    """Stack films vertically, and write them to `path` as one film; a shorter film stays on its last frame."""
     width, height = films[0][0].size
     frames = []
     for k in range(max(map(len, films))):

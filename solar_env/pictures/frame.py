@@ -64,7 +64,7 @@ class Scene:
 
 
 class Canvas:
-    """A frame that is drawn enlarged, and then reduced for smooth edges. Coordinates are the frame's pixels, y down."""
+    """An image that is drawn enlarged, and later reduced for smooth edges. Coordinates are the final pixels, y down."""
 
     def __init__(self, image: Image.Image) -> None:
         self.image = image
@@ -79,7 +79,7 @@ class Canvas:
         self._pen.polygon(_enlarged(points), fill=colour)
 
     def card(self, box: tuple[int, int, int, int]) -> None:
-        """Fill a rectangle with rounded corners."""
+        """Fill a rectangle (left, top, right, bottom) with rounded corners."""
         self._pen.rounded_rectangle([SUPERSAMPLING * side for side in box], radius=8 * SUPERSAMPLING, fill=CARD)
 
     def disc(self, centre: ArrayLike, radius: float, colour: str) -> None:
@@ -114,11 +114,11 @@ def _font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 
 
 class Renderer:
-    """A renderer that draws the scenes of one deployment into frames, with one fixed view.
+    """A renderer that draws instants of one deployment, each a `Scene`, into frames with one fixed view.
 
     Args:
         initial: the folded array. The view has room for the folded and the deployed array, and for the spacecraft's
-            turn under the reaction.
+            rotation in reaction to the deployment.
         duration: right end of the time axis [s].
     """
 
@@ -135,7 +135,7 @@ class Renderer:
         self._label(canvas, "Contact force [N]" if np.any(initial.clearance) else "Joint force [N]")
 
     def draw(self, scene: Scene) -> NDArray[np.uint8]:
-        """Draw the frame of a scene, uint8 (540, 960, 3). The same scene gives the same pixels."""
+        """Return the frame of a scene as an image, uint8 (540, 960, 3). The same scene gives the same pixels."""
         canvas = Canvas(self._background.copy())
         self._draw_array(canvas, scene)
         self._draw_forces(canvas, scene)
@@ -271,13 +271,13 @@ def _force_share(forces: ArrayLike) -> Array:
 
 
 def _tick_spacing(duration: float) -> float:
-    """Return the round spacing [s] that gives four to ten ticks in a duration [s]."""
+    """Return the round spacing [s] that gives four to nine ticks in a duration [s]."""
     power = 10.0 ** math.floor(math.log10(duration / 8.0))
     return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= duration / 8.0)
 
 
 def _crosswise(segment: Array) -> Array:
-    """Return pixel vectors (4, 2), y down and of length 1, along and across a polyline's first segment (k, 2), y up."""
+    """Return unit vectors (4, 2) in pixel axes, y down, along and across a polyline's first segment (k, 2), y up."""
     dx, dy = segment[1] - segment[0]
     along, across = np.array([(dx, -dy), (dy, dx)]) / math.hypot(dx, dy)
     return np.array([along, across, -along, -across])

@@ -37,7 +37,7 @@ def plot_deployment(trajectory: Trajectory, path: str | Path, deflections: NDArr
     Args:
         trajectory: the deployment, with any number of joints.
         path: file to write; its suffix, .pdf, .png or .svg, chooses the format.
-        deflections: (nt, panels) deflections of the panels' middles from their chords [m]; None leaves them out.
+        deflections: (nt, panels) deflections of the panels' midpoints relative to their chords [m]; None omits them.
 
     Raises:
         ValueError: Matplotlib does not write the suffix's format.

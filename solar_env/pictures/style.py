@@ -1,4 +1,4 @@
-"""Style of all figures: style sheet, and a fixed look for each joint, method, level, controller and stability class.
+"""Style of all plots: style sheet, and fixed looks of joints, integrators, model levels, controllers and outcomes.
 
 A look is colour, marker and line style, as arguments of Matplotlib's `plot`. Colours come from M. Okabe and K. Ito,
 Color Universal Design (2008): colour-blind readers can distinguish them. A few more colours are added.
@@ -42,7 +42,7 @@ def _look(color: str, marker: str, linestyle: str = "-") -> Look:
     return {"color": color, "marker": marker, "linestyle": linestyle}
 
 
-# Lines are solid for the methods of this project, dotted for Exudyn's.
+# Lines are solid for the integration methods of this project, dotted for Exudyn's.
 METHOD_LOOKS: Mapping[str, Look] = {
     "default settings": _look("black", "h"),
     "runge-kutta": _look(BLUE, "o"),
@@ -53,7 +53,7 @@ METHOD_LOOKS: Mapping[str, Look] = {
     "Exudyn generalized-alpha": _look(ORANGE, "*", ":"),
     "Exudyn explicit": _look(BROWN, "<", ":"),
 }
-# Finer levels are darker: beam elements blue, modes red, tighter tolerances violet; rigid panels are black.
+# Finer model levels are darker: beam elements blue, modes red, tighter tolerances violet; rigid panels are black.
 LEVEL_LOOKS: Mapping[str, Look] = {
     "rigid": _look("black", "s"),
     "1 element": _look("#b7d4ea", "o"),
@@ -72,7 +72,7 @@ LEVEL_LOOKS: Mapping[str, Look] = {
     "32 modes, rtol / 2": _look("#c9a0dc", "8"),
     "32 modes, rtol / 4": _look("#a06cc0", "1"),
     "48 modes, rtol / 10": _look(VIOLET, "2"),
-    # Looks of levels in short plans.
+    # Looks of model levels that only shortened studies use.
     "8 modes, rtol / 2": _look(PURPLE, "3"),
 }
 CONTROLLER_LOOKS: Mapping[str, Look] = {
@@ -89,7 +89,7 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "tqc": _look("#8c564b", "p"),
     "refined": _look("#d6278a", "D"),
 }
-# Colours of the classes in stability maps, in the order of a legend, after P. Tol, "Colour schemes", SRON technical
+# Colours of outcomes in stability maps, in the order of a legend, after P. Tol, "Colour schemes", SRON technical
 # note 2021 (muted). Colour-blind readers can distinguish these colours.
 OUTCOME_COLOURS: Mapping[str, str] = {
     "fine": "#f2f4f6",
@@ -109,7 +109,7 @@ _OTHERS = (_look("#ff5fa2", "h"), _look("#6b8e23", "2"), _look("#a05fff", "8"), 
 
 
 def look_of(name: str, looks: Mapping[str, Look]) -> Look:
-    """Return the look of a name from a table of this module.
+    """Return the look (colour, marker and line style) of `name` in `looks`, a table of this module.
 
     Raises:
         ValueError: the table has no such name.
@@ -120,11 +120,11 @@ def look_of(name: str, looks: Mapping[str, Look]) -> Look:
 
 
 def controller_looks(names: Sequence[str]) -> dict[str, Look]:
-    """Return the looks of the controllers of one figure.
+    """Return the looks (colour, marker and line style) of the controllers in one plot, by name.
 
     A controller has its look from `CONTROLLER_LOOKS`. A controller named after another one ("cma-es-rigid") has that
-    look, and a search around another controller ("receding-horizon:servo") has the look of the search. If the look is
-    taken, or if a training run has another name, the controller has the next of some spare looks.
+    look, and a search around another controller ("receding-horizon:servo") has the look of the search. If that look is
+    taken, or if no row of the table fits the name, the controller has the next of a few spare looks.
     """
     looks = {name: CONTROLLER_LOOKS[name] for name in names if name in CONTROLLER_LOOKS}
     taken, spare = list(looks.values()), list(_OTHERS)

@@ -1,6 +1,6 @@
-"""Studies of speed, accuracy, stability and design: each measures, writes a table, and draws from the table alone.
+"""Studies of speed, accuracy, stability and design: each measures, writes a table, and draws plots from the table.
 
 A study is a folder with modules that measure and draw, a results page `README.md`, and a folder `figures`. The study's
 command is in `solar_env.commands`. `common` holds shared parts, `peers` runs other programs for comparison, and
-`precision` lists the methods. Studies may import these three, but no other study; only `design` also imports `loads`.
+`precision` lists integration methods. A study may import only these three; `design` also imports `loads`.
 """

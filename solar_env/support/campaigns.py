@@ -57,12 +57,12 @@ def _with_task(function: Callable[[Task], Result], task: Task) -> tuple[Task, Re
 class Campaign:
     """A set of simulations, such as a map or an ensemble, whose results are kept in a file of JSON lines.
 
-    A cell holds the arguments of one simulation. The first line of the file records the function, its settings and a
+    A "cell" holds the arguments of one simulation. The first line of the file records the function, its settings and a
     hash of the package's code; a file with another first line is refused, so that results are never mixed.
 
     Args:
         function: function from a cell to a result that JSON can store, defined at the top of a module.
-        cells: arguments of the function, as mappings that JSON can store, no two alike.
+        cells: arguments of the simulations, as mappings that JSON can store, no two alike.
         store: file of the results.
         settings: everything else on which the results depend.
         admits: function that returns whether a value in the file can be a result.
@@ -85,7 +85,7 @@ class Campaign:
         made_by = json.dumps({"function": name, "code": _code_digest(), "settings": settings or {}}, sort_keys=True)
         self._results: dict[str, Any] = {}
         kept = store.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True) if store.exists() else []
-        # An interruption may have cut off the last line; the cell of that line is then computed again.
+        # An interruption may have cut off the last line; the simulation of that line is then run again.
         whole = [line for line in kept if line.endswith("\n")] or [made_by + "\n"]
         if whole[0] != made_by + "\n":
             raise ValueError(f"{store} was made by other code or with other settings; delete it or choose another")
@@ -105,11 +105,11 @@ class Campaign:
 
     @property
     def missing(self) -> tuple[Cell, ...]:
-        """Cells without a result, in their given order."""
+        """Cells (arguments of one simulation each) that have no result yet, in their given order."""
         return tuple(cell for key, cell in self.cells.items() if key not in self._results)
 
     def run(self, workers: int = 1) -> Iterator[Cell]:
-        """Compute the missing results, and yield each cell when its result is in the file."""
+        """Run the simulations without a result; yield the cell (arguments) of each once its result is in the file."""
         with self._store.open("a", encoding="utf-8") as file, keeping(self._kept):
             for cell, result in each_done(self._function, self.missing, workers):
                 try:
@@ -122,7 +122,7 @@ class Campaign:
                 yield cell
 
     def run_shown(self, workers: int, console: Console, cells: str) -> list[Any]:
-        """Compute the missing results under a progress bar labelled `cells`, and return the results of all cells."""
+        """Compute missing results under a progress bar labelled `cells`; return the results of all cells, in order."""
         with counting_bar(console) as bar:
             task = bar.add_task(cells, total=len(self.cells), completed=len(self.cells) - len(self.missing))
             for _ in self.run(workers):
@@ -134,11 +134,11 @@ class Campaign:
         return f"kept {done} of {total} results in {self._store}; the same command goes on from there"
 
     def results(self) -> list[Any]:
-        """Return the results of all cells, in the given order of cells; every cell must be done."""
+        """Return the results of all cells (simulations), in the given order of cells; every result must exist."""
         return [self._results[key] for key in self.cells]
 
     def result(self, cell: Cell) -> Any:
-        """Return the stored result of a cell, which must be done."""
+        """Return the stored result of a cell, the arguments of one simulation; the result must exist."""
         return self._results[_key(cell)]
 
 

@@ -14,7 +14,7 @@ EXIT_STATUS = 130  # 128 + SIGINT, as shells have it
 
 @contextmanager
 def keeping(kept: Callable[[], str]) -> Iterator[None]:
-    """Add the note that `kept` returns, about kept results, to a KeyboardInterrupt or OSError within the block."""
+    """Add `kept()`, a note on which results were saved, to a KeyboardInterrupt or OSError raised in the block."""
     try:
         yield
     except (KeyboardInterrupt, OSError) as stop:
@@ -34,7 +34,7 @@ def report_interruption(stop: KeyboardInterrupt) -> int:
 
 @contextmanager
 def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[None]:
-    """Handle Ctrl-C by `handler` within the block; other threads than the main thread get no Ctrl-C and skip this."""
+    """Handle Ctrl-C by `handler` in the block; do nothing in threads other than the main one, which get no Ctrl-C."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -49,8 +49,8 @@ def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[Non
 def hearing() -> Iterator[None]:
     """Make sure that Ctrl-C ends the block by a KeyboardInterrupt, at any point of the block.
 
-    A KeyboardInterrupt is lost in Python code that C code has called, as compilers do. The interrupt is then raised
-    again, and replaces any error that its loss has caused.
+    Python loses a KeyboardInterrupt in Python code that is called from C, for example by a compiler. The interrupt is
+    then raised again, and replaces any error that its loss has caused.
     """
     heard: list[object] = []
     timers: list[threading.Timer] = []

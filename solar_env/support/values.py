@@ -65,19 +65,19 @@ def _is_a(kind: type, value: Any) -> bool:
 
 
 def check_positive(name: str, value: Any, unit: str = "") -> None:
-    """Raise a ValueError unless a value is a positive finite number."""
+    """Raise a ValueError, with `name` and `unit`, unless a value is a positive finite number."""
     if not (is_number(value) and 0.0 < value < math.inf):
         raise ValueError(f"{name} = {value!r}{unit} must be positive and finite")
 
 
 def check_name(kind: str, name: object, known: Iterable[str]) -> None:
-    """Raise a ValueError unless a name is one of the known names."""
+    """Raise a ValueError unless `name` is a known name; `kind` says in the message what the name stands for."""
     if not isinstance(name, str) or name not in known:
         raise ValueError(unknown_name(kind, name, known))
 
 
 def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
-    """Return an error sentence for an unknown name, with similar known names, or with all known names otherwise."""
+    """Return an error sentence for an unknown name of this `kind`, with similar known names, or with all of them."""
     names = list(known)
     close = difflib.get_close_matches(str(name), names, n=2)
     hint = f"did you mean {' or '.join(map(repr, close))}?" if close else f"choose from {', '.join(names)}"
@@ -88,7 +88,7 @@ def changed(kind: str, values: Values, changes: Mapping[str, object]) -> Values:
     """Return a copy of a dataclass with some fields changed; the dataclass's checks refuse bad values.
 
     Raises:
-        ValueError: if the changes are no mapping, a name is unknown (`kind` says what it names), or a value is refused.
+        ValueError: if the changes are no mapping, a name of this `kind` is unknown, or a value is refused.
     """
     if not isinstance(changes, Mapping):
         raise ValueError(f"{kind}: {changes!r} must be a mapping of names to values")

@@ -1,4 +1,4 @@
-"""Checks: numbers of verification cases beside their expected values, with output as a table and as JSON."""
+"""Checks, which compare a number from the engine with its expected value, and their output as a table and as JSON."""
 
 import json
 import math
@@ -16,7 +16,7 @@ ARNOLD_BRULS = "M. Arnold and O. Bruls, Multibody Syst. Dyn. 18 (2007) 185"
 
 @dataclass(frozen=True)
 class Check:
-    """A number obtained from the engine beside the value that theory or literature expects.
+    """A number obtained from the simulation engine, beside the value that theory or literature gives.
 
     Attributes:
         quantity: name of the number, with its unit.
@@ -51,11 +51,11 @@ class Check:
 def compare(
     figures: Iterable[tuple[Any, ...]], quantity: str, tolerance: float | None, source: str, relative: bool = False
 ) -> Iterator[Check]:
-    """Yield one check for each of several figures that have a source in common.
+    """Yield one `Check` for each of several numbers whose expected values have the same source.
 
     Args:
-        figures: name, expected and obtained number of each check, and a tolerance if `tolerance` is None.
-        quantity: quantity of all checks, with {} for the name.
+        figures: (name, expected, obtained) of each check; (name, expected, obtained, tolerance) if `tolerance` is None.
+        quantity: text for `Check.quantity`, in which {} stands for the name.
         tolerance, source, relative: see `Check`.
     """
     for name, expected, obtained, *bounds in figures:
@@ -64,7 +64,7 @@ def compare(
 
 
 def make_table(checks: Sequence[Check]) -> Table:
-    """Make a table for a terminal, with a line for every check and headings for cases and sources."""
+    """Make a table for a terminal, with a row for every check and headings for cases and sources."""
     failed = sum(not check.passed for check in checks)
     title = f"{len(checks)} checks, {failed} failed" if failed else f"{len(checks)} checks, all passed"
     table = Table(title=title, caption="r: relative to the expected value", title_justify="left", box=box.SIMPLE)
@@ -94,7 +94,7 @@ def make_table(checks: Sequence[Check]) -> Table:
 
 
 def to_json(checks: Sequence[Check]) -> str:
-    """Write checks as JSON objects, and whether all checks passed; numbers that are not finite become null."""
+    """Return JSON text: whether all checks passed, and an object for each check, in which nan and inf become null."""
     rows = []
     for check in checks:
         row = {**vars(check), "error": check.error, "passed": check.passed}

@@ -1,4 +1,4 @@
-"""Table of the verification cases by name, and the function that runs a case."""
+"""Table of the verification cases by name (`CASES`), and the function that runs a case."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace

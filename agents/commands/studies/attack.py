@@ -50,7 +50,7 @@ def passive_profile() -> np.ndarray:
 
 
 def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[Info]:
-    """Run an episode of each profile, at most one per environment; return "return" and `info["deployment"]` of each."""
+    """Run an episode of each profile, one per environment; return, for each, "return" with `info["deployment"]`."""
     env, idle = env.unwrapped, env.num_envs - len(profiles)
     given = np.stack([*profiles, *[passive_profile()] * idle])
     env.reset(seed=[*seeds, *[0] * idle])
@@ -68,7 +68,7 @@ def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) 
 
 
 def run(args: Args) -> int:
-    """Search by CMA-ES, from zero actions, for chattering action profiles with the highest return, and record them."""
+    """Search by CMA-ES, from zero actions, for action profiles of highest return, and write them to `attack.json`."""
     folder, _ = args.folders("attack-on-reward")
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # number of candidates in pycma's generations
     keywords = {**with_sampling(KEYWORDS), "autoreset_mode": AutoresetMode.DISABLED}

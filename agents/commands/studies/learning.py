@@ -25,7 +25,7 @@ LAWS = ("pd", "soft-start", "servo")
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 FIGURES = Path(__file__).parents[2] / "learning" / "figures"  # for the page agents/learning/README.md
 SEEDS = (0, 1, 2, 3, 4)
-# `SCENES` holds environments by scene, `LENGTHS` steps and number of environments stepped together by algorithm. A run
+# `SCENES`: name -> environment id and keywords. `LENGTHS`: algorithm -> steps, environments stepped together. A run
 # takes a quarter of an hour of a core with rigid panels, an hour with flexible panels.
 SCENES: dict[str, tuple[str, Keywords]] = {
     "rigid": (DEPLOY, dict(RIGID)),
@@ -85,7 +85,7 @@ def _train_missing(args: Args, cases: list[str], out: Path) -> None:
 
 
 def _folder(out: Path, algo: str, scene: str, seed: int) -> Path:
-    """Return the run folder of an algorithm, a scene and a seed."""
+    """Return the run folder of an algorithm, a scene (a key of `SCENES`) and a seed."""
     return out / f"{algo}-{scene}-{seed}"
 
 
@@ -129,7 +129,7 @@ def _row(
 
 
 def panels(table: Table) -> dict[str, Panel]:
-    """Read a table into panels by scene, each with learning curves by algorithm and seed, and returns by torque law."""
+    """Convert a table to a `Panel` for each scene: learning curves by algorithm and seed, returns by torque law."""
     found = {}
     for scene in map(str, table.values("scene")):
         of_scene = table.where(scene=scene)

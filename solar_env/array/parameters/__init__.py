@@ -1,7 +1,7 @@
 """Parameters of the array: their values, presets, ranges and files.
 
 `parameters` holds the values with units and sources, `rows` describes joints and panels. `checks` refuses values that
-are not allowed, `ranges` draws values that are not known exactly, `file` reads and writes values and ranges as TOML.
+are not allowed, `ranges` samples values not known exactly, `file` reads and writes values and ranges as TOML.
 
 The package imports `mechanics` and `support`. A new parameter is a field of `ArrayParameters`.
 """

@@ -1,4 +1,4 @@
-"""Checks of the array's parameters: each against its `Row` of allowed values, and several against each other.
+"""Checks of the array's parameters: each against the rule in its `Row`, and some against other parameters.
 
 An error names the parameter, the bad value and the rule. A value that no spacecraft has, most likely given in a wrong
 unit, causes a warning before anything is simulated.
@@ -30,7 +30,7 @@ class Rule(NamedTuple):
 
 
 class Usual(NamedTuple):
-    """Usual magnitudes of a parameter on spacecraft, its unit, and wrong units that users give; 0 is always usual."""
+    """Usual magnitudes of a parameter on spacecraft, its unit, and units often mistaken for it; 0 is always usual."""
 
     low: float
     high: float
@@ -39,9 +39,12 @@ class Usual(NamedTuple):
 
 
 class Row(NamedTuple):
-    """Properties of a parameter apart from its default; `among` lists the allowed texts, a `table` has rows of numbers.
+    """Properties of a parameter apart from its default.
 
-    A value `by_joint` may differ between joints. With `drawn_by_joint`, a single range gives each joint its own draw.
+    Attributes:
+        rule, usual: allowed values, and usual magnitudes on spacecraft.
+        by_joint, drawn_by_joint: whether values may differ by joint; whether joints are sampled separately.
+        optional, among, table: whether None is allowed; the allowed texts; whether the value is a table of numbers.
     """
 
     rule: Rule
@@ -83,7 +86,7 @@ _MODULI = ("journal_young", "journal_poisson", "bearing_young", "bearing_poisson
 
 
 def number(default: object, rule: Rule = ANY, usual: Usual | None = None, **marks: Any) -> Any:
-    """Return a dataclass field for a parameter, with the parameter's default and `Row`."""
+    """Return a dataclass field with a default and a `Row`, which `rule`, `usual` and `marks` make up."""
     return field(default=default, metadata={"row": Row(rule, usual, **marks)})
 
 
@@ -96,7 +99,7 @@ def row_of(item: Field[Any]) -> Row:
 
 
 def check_rows(values: Any) -> None:
-    """Raise a ValueError for the first number of a dataclass that breaks the rule of its `Row`.
+    """Raise a ValueError for the first field of the dataclass `values` that breaks the rule in its `Row`.
 
     Warns:
         UnitWarning: about values that were probably given in a wrong unit.
@@ -228,9 +231,10 @@ def _check_bodies(p: ArrayParameters) -> None:
 
 
 def _in_proportion(gyration: float, along: float, across: float) -> bool:
-    """Return whether a body's mass matrix for its two base points is regular, with a margin above rounding errors.
+    """Return whether the mass matrix of a body in the coordinates of its two base points is safely non-singular.
 
-    Radius of gyration, and centroid position from the first base point, are divided by the distance of the base points.
+    `gyration` is the radius of gyration; `along` and `across` locate the centroid relative to the first base point. All
+    three are divided by the distance between the base points.
     """
     first, second = (gyration**2 + x**2 + across**2 for x in (1.0 - along, along))
     return gyration**2 > _LEAST_PROPORTION * first * second
@@ -257,7 +261,7 @@ def _warn_of_implausible(name: str, entries: tuple[float | None, ...], usual: Us
 
 
 def _tell_once(name: str, value: float, text: str) -> None:
-    """Warn once per process for each parameter and value, rounded to two digits."""
+    """Issue `text` as a UnitWarning, once per process for a parameter and its value, rounded to two digits."""
     if (name, f"{value:.2g}") not in _told:
         _told.add((name, f"{value:.2g}"))
         warnings.warn(text, UnitWarning, stacklevel=2)

@@ -2,7 +2,8 @@
 
 Values stand at the top of the file, with the names and units of `ArrayParameters`. Two tables are for values that are
 not known exactly: `tolerance` gives half-widths about the values; `randomize` gives low and high ends, like the keyword
-of the environments. Draws are uniform; a tolerance of a parameter by joint is drawn separately for each joint.
+of the environments. Values are sampled uniformly. A parameter with a tolerance is sampled separately for each joint, if
+it may differ between joints.
 """
 
 import codecs
@@ -33,7 +34,7 @@ _WIDTH = 100  # characters per line of an explanation
 
 
 class ParameterFile(NamedTuple):
-    """Content of a parameter file: the array's parameters, and the ranges of parameters that every run draws anew.
+    """Content of a parameter file: the array's parameters, and ranges from which every run samples some of them anew.
 
     `gymnasium.make("solar_env/Deploy-v2", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
     from a file.
@@ -44,11 +45,7 @@ class ParameterFile(NamedTuple):
 
 
 def named_array(name: str) -> ParameterFile:
-    """Return the named preset of `ArrayParameters`, or the packaged array listed in `WINGS`.
-
-    Raises:
-        ValueError: The name is unknown.
-    """
+    """Return the array `name`, a preset or a packaged file listed in `WINGS`; an unknown name raises a ValueError."""
     check_name("array", name, [*PRESETS, *WINGS])
     if name in WINGS:
         return read_parameters(WINGS[name])
@@ -98,7 +95,7 @@ def _parameter_file(values: dict[str, Any]) -> ParameterFile:
 
 
 def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any, Any]:
-    """Return the low and the high end of a parameter's range from its tolerance, by joint for a value by joint."""
+    """Return (low, high): a parameter's value minus and plus `half_width`; two lists by joint if joints may differ."""
     if name not in ArrayParameters.CONTINUOUS:
         return half_width, half_width  # `checked_ranges` refuses the parameter by name
     told, by_joint = f"tolerance of {name} = {half_width!r}", name in ArrayParameters.BY_JOINT
@@ -133,7 +130,7 @@ def explanations() -> dict[str, str]:
 
 
 def units() -> dict[str, str]:
-    """Return the unit of each parameter by name: the first text in brackets of its explanation, or ""."""
+    """Return the unit of each parameter by name: the first text in square brackets in its explanation, or ""."""
     found = {name: re.search(r"\[([^\]]+)\]", text) for name, text in explanations().items()}
     return {name: unit[1] if unit and not name.endswith("poisson") else "" for name, unit in found.items()}
 

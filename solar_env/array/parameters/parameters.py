@@ -47,9 +47,9 @@ class ArrayParameters:
         body_mass: mass of the main body [kg]; by default a 1 m cube of 1500 kg/m3.
         body_inertia: moment of inertia of the main body about its centroid [kg m2].
         body_fixed: whether the main body is held in place; in the paper it floats.
-        hinge_x, hinge_y: position of the root hinge from the main body's centroid [m], hinge_x not negative; mid-side
-            (chosen: the paper does not say). The folded first panel points towards -y, and lies along the body's side
-            if hinge_y is half of body_size.
+        hinge_x, hinge_y: position of the root hinge from the main body's centroid [m], hinge_x not negative; by default
+            mid-side (chosen: the paper does not say). The folded first panel points towards -y; it lies along the
+            body's side if hinge_y is half of body_size.
         body_size: length of the main body's sides [m].
         panel_length, panel_width, panel_thickness: length, width and thickness by panel [m].
         panel_density: mass of the panels per volume [kg/m3], by panel.
@@ -76,7 +76,7 @@ class ArrayParameters:
         harness_torque: table of a wire harness's torque by joint angle [N m], in the form of spring_torque.
         hinge_damping: damping of a viscous or eddy-current damper in each hinge, by joint [N m s/rad].
         hinge_friction_torque: torque of dry friction in each hinge, by joint [N m], in addition to journal friction.
-        hinge_friction_rate: joint rate within which hinge friction changes its sign, by joint [rad/s]; None takes a
+        hinge_friction_rate: joint rate over which hinge friction smoothly changes sign, by joint [rad/s]; None takes a
             hundredth of the rate at which the spring would open a lone panel (chosen: far below opening rates).
         cable_stiffness: stiffness of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen:
             keeps the joint angles at 1 : 2 within a degree up to the latching).
@@ -225,24 +225,18 @@ class ArrayParameters:
 
     @classmethod
     def preset(cls, name: str) -> Self:
-        """Return a named parameter set: "default", or "paper", which reads the paper as literally as its results allow.
+        """Return a named parameter set, "default" or "paper"; an unknown name raises a ValueError.
 
-        "paper" has hinge_y = -0.5, so that the folded panels extend beyond the main body, and cable_torque_ratio = 1.
-        Both together reproduce the paper's latch time, though that ratio destroys half of the springs' energy. The
-        panels have no damping. The wear coefficient gives the deepest bin the depth in the paper's figures.
-
-        Raises:
-            ValueError: if the name is unknown.
+        "paper" reads the paper as literally as its results allow. It has hinge_y = -0.5, so that the folded panels
+        extend beyond the main body, and cable_torque_ratio = 1. Both together reproduce the paper's latch time, though
+        that ratio destroys half of the springs' energy. The panels have no damping. The wear coefficient makes the
+        deepest wear bin as deep as in the paper's figures.
         """
         check_name("preset", name, PRESETS)
         return cls(**PRESETS[name])
 
     def with_changes(self, changes: Mapping[str, object]) -> Self:
-        """Return a copy with some parameters changed.
-
-        Raises:
-            ValueError: if a name is unknown or a value is refused.
-        """
+        """Return a copy with some parameters changed; an unknown name or a refused value raises a ValueError."""
         return changed("parameter", self, changes)
 
     @property
@@ -297,13 +291,13 @@ class ArrayParameters:
         return left * math.cos(self.gravity_angle), left * math.sin(self.gravity_angle)
 
     def friction_torque(self, joint: int) -> float:
-        """Return the dry friction torque [N m] of hinge `joint`, counted from 0, with its panel's hanger."""
+        """Return the dry friction torque [N m] at hinge `joint`, counted from 0, its panel's hanger included."""
         panel = self.panel(joint)
         of_hanger = self.offloading_friction * self.offloading_share * panel.mass * self.gravity
         return float(self.by_joint("hinge_friction_torque", joint) + of_hanger * panel.centroid)
 
     def friction_rate(self, joint: int) -> float:
-        """Return the joint rate [rad/s] within which dry friction of hinge `joint`, counted from 0, changes sign."""
+        """Return the rate [rad/s] over which dry friction of hinge `joint`, counted from 0, smoothly changes sign."""
         given = self.by_joint("hinge_friction_rate", joint)
         if given is not None:
             return float(given)
@@ -323,7 +317,7 @@ class ArrayParameters:
         return tables if alone else entry_of(tables, joint, self.panel_count)
 
     def stop(self, joint: int) -> Stop:
-        """Return the stop that models latch and stow stop of `joint`, counted from 0."""
+        """Return the stop law of `joint`, counted from 0, which its latch and its stow stop share."""
         names = ("gap", "stiffness", "exponent", "ramp_depth", "damping")
         return Stop(*(self.by_joint(f"latch_{name}", joint) for name in names))
 

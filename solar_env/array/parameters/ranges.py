@@ -1,4 +1,4 @@
-"""Ranges of parameters that are not known exactly: checks of the ranges, and random draws from them.
+"""Ranges of parameters that are not known exactly: checks of the ranges, and random sampling from them.
 
 The environments' keyword for ranges, and the table of ranges in a parameter file, are called `randomize`.
 """
@@ -18,23 +18,25 @@ from solar_env.support.values import check_name, is_number, plain
 # different motions. For comparison, joint 1 deploys at 0.13 rad/s on average.
 RELEASE_RATE = 5e-4
 
-# Bound of a uniform draw: a number, or one number per joint.
+# Bound of a range for uniform sampling: a number, or one number per joint.
 Bound = float | tuple[float, ...]
 Ranges = Mapping[str, tuple[Bound, Bound]]
 _BELOW_ANOTHER = ("clearance", "friction_speed_zero")  # parameters that must stay below another parameter
 
 
 def drawn(ranges: Ranges, generator: np.random.Generator) -> dict[str, float | tuple[float, ...]]:
-    """Draw parameter values uniformly from checked ranges, for `with_changes`; bounds by joint give values by joint."""
+    """Sample each parameter uniformly from its range, and return the values by name; bounds by joint give tuples."""
     values = {name: generator.uniform(low, high) for name, (low, high) in ranges.items()}
     return {name: tuple(value.tolist()) if np.ndim(value) else float(value) for name, value in values.items()}
 
 
 def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
-    """Check that an array can have all values in the ranges; return the ranges, with bounds by joint if drawn by joint.
+    """Check that the array can have all values in the ranges, and return the ranges.
+
+    Bounds of a parameter that is sampled separately for each joint are returned as tuples with an entry per joint.
 
     Raises:
-        ValueError: for an unknown parameter, or a range in which not every value is acceptable.
+        ValueError: a parameter is unknown, or the array cannot have all values in a range.
     """
     if not isinstance(ranges, Mapping):
         raise ValueError(f"randomize = {ranges!r} must be a mapping of parameter names to pairs (low, high)")
@@ -56,7 +58,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
         for end in (low, high):
             parameters.with_changes({name: end})
         checked[name] = (low, high)
-    # Draws may reach any corner of the ranges; at the corners below, two parameters can contradict each other.
+    # Samples may reach any corner of the ranges; at the corners below, two parameters can contradict each other.
     lows, highs = ({name: pair[end] for name, pair in checked.items()} for end in (0, 1))
     for corner in (lows, highs, *({**lows, small: highs[small]} for small in _BELOW_ANOTHER if small in highs)):
         parameters.with_changes(corner)
@@ -64,7 +66,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
 
 
 def _spread(told: str, given: Any, array: ArrayParameters | None) -> Bound:
-    """Check a bound of a range and return it as a number, or with an `array` as a number per joint, see `entry_of`."""
+    """Check a bound; return a number, or one number per joint if `array` is given. Error messages begin with `told`."""
     value = plain(given)
     entries = value if isinstance(value, tuple) else (value,)
     if not all(is_number(entry) and math.isfinite(entry) for entry in entries):

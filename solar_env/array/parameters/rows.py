@@ -8,9 +8,10 @@ Value = TypeVar("Value")
 
 
 def entry_of(entries: Sequence[Value], joint: int, panels: int) -> Value:
-    """Return the entry for a joint of a sequence by joint; the last entry holds for all further joints.
+    """Return the entry for `joint` from a sequence by joint; joints beyond its end take the last entry.
 
-    Each wing has `panels` panels. Both wings take the same entries, unless there are more entries than panels.
+    Joints count from 0, wing after wing; each wing has `panels` joints. Both wings take the same entries, unless there
+    are more entries than `panels`.
     """
     place = joint % panels if len(entries) <= panels else joint
     return entries[min(place, len(entries) - 1)]
@@ -18,7 +19,7 @@ def entry_of(entries: Sequence[Value], joint: int, panels: int) -> Value:
 
 @dataclass(frozen=True)
 class JointRow:
-    """A joint, with its index counted from the root, and the panel that the joint carries.
+    """A joint and the panel that the joint carries; `index` counts joints from 0 at the root, wing after wing.
 
     Attributes:
         inboard, panel: indices of two bodies of the mechanism: the body on the joint's inner side, and the panel.

@@ -1,4 +1,4 @@
-"""`solar-env study figures`: pictures of a deployment, of a fixed step's failures, and of a design, for the pages."""
+"""`solar-env study figures`: pictures of a deployment, of failing fixed step sizes, and of a design, for the pages."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,12 +13,12 @@ from solar_env.support.progress import counting_bar
 from solar_env.support.readme import PACKAGE, STUDIES
 
 OPTIONS = ("out", "readme")
-# Time of the frame, after latching, when the journals fly freely in their bearings.
+# Time of the frame, after latching.
 FRAME_TIME = 13.6  # s
 
 
 def draw_frame(path: Path) -> None:
-    """Draw a frame of version 1 of the environment, whose action 0 leaves the array to its springs."""
+    """Draw a frame of a deployment by the springs alone, after latching, and write it to `path` as PNG."""
     import gymnasium
     from PIL import Image
 
@@ -31,7 +31,7 @@ def draw_frame(path: Path) -> None:
 
 
 def draw_deployment(path: Path) -> None:
-    """Draw angles, forces, torques, energies, journal paths and wear of the default deployment."""
+    """Plot angles, forces, torques, energies, journal paths and wear of the default deployment to the file `path`."""
     from solar_env.array.deployment import simulate
     from solar_env.pictures.plots import plot_deployment
 
@@ -39,7 +39,7 @@ def draw_deployment(path: Path) -> None:
 
 
 def draw_stability(path: Path) -> None:
-    """Draw a map of impacts under generalized-alpha, which shows the fixed step sizes that fail."""
+    """Draw, to the file `path`, a map of impacts under generalized-alpha with the fixed step sizes that fail."""
     from solar_env.studies.stability.stability_maps import measure_map
     from solar_env.studies.stability.stability_plot import draw_map
 
@@ -50,7 +50,7 @@ def draw_stability(path: Path) -> None:
 
 
 def draw_design(path: Path) -> None:
-    """Draw the latch torque of the default array against the damping of hinges and latches."""
+    """Plot the latch torque of the default array against the damping of hinges and latches, to the file `path`."""
     with TemporaryDirectory() as folder:
         design.run_command(design.Args(keep=["latch_time < 30"], points=36, out=Path(folder)))
         write_bytes(path, (Path(folder) / design.PICTURE).read_bytes())

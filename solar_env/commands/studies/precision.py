@@ -13,7 +13,10 @@ SECTIONS = {
 
 
 def run(args: Args) -> int:
-    """Measure speed against accuracy of all methods, of the panels, and beside the peers; runs are timed one by one."""
+    """Measure speed against accuracy of all methods, of the panels, and beside the peers; runs are timed one by one.
+
+    The parts compare integrators, numbers of modes or elements of a panel, and other programs (peers). Return 0.
+    """
     from solar_env.studies.precision import charts
 
     names = args.parts(charts.STUDIES)

@@ -14,7 +14,10 @@ _COLUMNS = 100
 
 
 def run(args: Args) -> int:
-    """Map failures of methods, and check that the library reports them; --only parameters: ranges of all parameters."""
+    """Map failures of methods, and check that the library reports them; --only parameters: ranges of all parameters.
+
+    A map shows at which settings an integrator fails. Return 1 if a failure went unreported, otherwise 0.
+    """
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
     names = [] if args.only == [PARAMETERS] else args.parts(MAPS)
@@ -32,7 +35,7 @@ def run(args: Args) -> int:
 
 
 def _walk_parameters(args: Args, folder: Path) -> int:
-    """Measure in which range each parameter works; return 1 if a failure went unreported, otherwise 0."""
+    """Measure for which values of each parameter runs succeed; return 1 if a failure went unreported, otherwise 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability import parameter_ranges as ranges
 
@@ -48,7 +51,7 @@ def _walk_parameters(args: Args, folder: Path) -> int:
 
 
 def _report(name: str, path: Path) -> int:
-    """Draw a map, print its counts and advice; return 1 if a failure went unreported, otherwise 0."""
+    """Draw the stability map of the table at `path`, print counts and advice; return 1 if a failure went unreported."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map

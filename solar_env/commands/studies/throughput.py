@@ -1,4 +1,4 @@
-"""`solar-env study throughput`: environment steps per second, and the parts of their time."""
+"""`solar-env study throughput`: environment steps per second, and the fraction of the time in compiled calls."""
 
 from solar_env.array import MODELS
 from solar_env.commands.study import Args

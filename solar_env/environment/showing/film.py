@@ -24,17 +24,17 @@ class Film:
         self._renderer: Renderer | None = None
 
     def __getstate__(self) -> dict[str, object]:
-        """Return the attributes without the renderer; a copy makes its own renderer."""
+        """Return the attributes for copies and pickles, without the renderer; a copy makes its own renderer."""
         return {**vars(self), "_renderer": None}
 
     def add(self, state: Any) -> None:
-        """Add each joint's peak force in the control period that ends with `state`."""
+        """Append each joint's peak force in the control period that ends with the simulation state `state`."""
         self._forget(np.nextafter(state.clock["time"][0], 0.0))
         self._peaks.append(state.joints["recent_peak_force"].copy())
         self._times.append(float(state.clock["time"][0]))
 
     def _forget(self, time: float) -> None:
-        """Discard the peak forces later than a time [s], because a state of that time was restored."""
+        """Discard the peak forces recorded after `time` [s], because a state of that time was restored."""
         while self._times[-1] > time:
             del self._times[-1], self._peaks[-1]
 

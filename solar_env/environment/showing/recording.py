@@ -17,8 +17,8 @@ _CONTACTS = 1000  # initial capacity of the record, in contacts
 class RecordTrajectory(gymnasium.Wrapper):
     """A wrapper that records the episode as a `Trajectory`, sampled every `output_step` [s] and at the present time.
 
-    Recording leaves the episode unchanged to the bit. The trajectory is the motion that led to the present state: after
-    an earlier state is restored between two steps, the next step discards the later part of the record.
+    Recording does not change the episode in a single bit. The trajectory is the motion that led to the present state:
+    after an earlier state is restored between two steps, the next step discards the later part of the record.
 
     Raises:
         RuntimeError: from `step` and `trajectory`, if a state was restored that is not in the record.

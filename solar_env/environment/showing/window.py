@@ -12,7 +12,7 @@ _INVISIBLE = ("offscreen", "dummy")  # SDL's video drivers without a visible dis
 
 
 def open_display() -> Any:
-    """Open pygame's display and return pygame; `SDL_VIDEODRIVER` may choose an invisible display.
+    """Open pygame's display and return the pygame module; `SDL_VIDEODRIVER` may choose an invisible display.
 
     Raises:
         OSError: no display opens, or only an invisible one that `SDL_VIDEODRIVER` did not choose.
@@ -35,9 +35,9 @@ def open_display() -> Any:
 
 
 class Window:
-    """A window that shows frames at a given rate [Hz]. The window opens with the first frame; copies begin closed.
+    """A window that shows frames at a given rate [Hz]. The window opens with the first frame; a copy starts closed.
 
-    The construction raises an error without pygame or without a display.
+    Construction raises DependencyNotInstalled without pygame, and OSError without a display.
     """
 
     def __init__(self, rate: float) -> None:

@@ -8,6 +8,6 @@ control period.
 * A new observable needs a code, a branch of `observations.reading` and an entry of `observations.OBSERVABLES`, which
   tests and the environment's documentation read. A new kind of sensor is a field of `hardware.Hardware`.
 * A new reward term needs a code, a branch of `reward.reading` and an entry of `reward.REWARD_TERMS`; a version's prices
-  give its weight. `tests/environment/task/test_reward_terms.py` needs the term's figure for an imagined deployment.
+  give its weight. `tests/environment/task/test_reward_terms.py` needs the term's value for an imagined deployment.
 * A new version is an entry of `task.VERSIONS`; a new form of price also needs a code and a branch of `reward.cost`.
 """

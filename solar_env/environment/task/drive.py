@@ -4,6 +4,7 @@ In this module `motor` is a record of `motor_type`, and `memory` (MEMORY,) holds
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from solar_env.mechanics.numerics.jit import kernel
 # positive, the action asks for 1 + HASTE u times the cruise rate. u follows REACH times the action with a time constant
 # LAG, which damps an agent's noise; the noise averages to zero.
 CRUISE, REACH, LAG, HASTE = 0.8, 4.5, 5.0, 0.05  # -, -, [s], -
+GENTLE = 0.4  # greatest change of a panel's rate by a sample per rate error (chosen: beyond it yokes rattle)
 
 # Entries of a drive's memory: the rate loop's torque at the last sample [N m], the rate setpoint [rad/s], and u.
 LOOP_TORQUE, SETPOINT, LOG_RATIO = range(3)
@@ -37,17 +39,16 @@ motor_type = np.dtype((np.record, np.dtype([("joint", "i8"), *((name, "f8") for 
 
 
 class TaskNumbers(NamedTuple):
-    """A `Task` for kernels: times [s], drive samples per control period, and a record of `motor_type` for each motor.
+    """A `Task` for kernels: times [s], the code of the action, and a record of `motor_type` for each motor.
 
-    For a batch of environments (lanes), `motors` has a leading axis of lanes; lanes may differ only in their motors.
+    For a batch of environments (lanes), `sample_period` and `motors` have a leading axis of lanes, which may differ.
     """
 
     control_period: float
     deadline: float
     last_chance: float
     settling_window: float
-    sample_period: float
-    samples: int
+    sample_period: float | NDArray[np.float64]
     action: int
     drive_settles: bool
     motors: NDArray[np.void]
@@ -72,10 +73,21 @@ def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
     return float(load), float(slope)
 
 
+def refinement(hardware: Hardware, array: ArrayParameters, joints: Sequence[int], period: float) -> int:
+    """Return the least number of parts (at most 100) of a sample `period` [s] with which no driven panel shakes.
+
+    In one part the rate loop may change the rate of the lightest panel by at most `GENTLE` times the rate error.
+    """
+    panels = [array.panel(joint) for joint in joints]
+    lightest = min(panel.inertia + panel.mass * panel.centroid**2 for panel in panels)
+    torques = ((n, hardware.rate_loop_gain * response(hardware.rate_loop_lag, period / n)) for n in range(1, 100))
+    return next((n for n, torque in torques if torque * period / n <= GENTLE * lightest), 100)
+
+
 def motor_row(
     joint: int, torque_limit: float, deadline: float, hardware: Hardware, array: ArrayParameters, period: float
 ) -> tuple[float, ...]:
-    """Return the `motor_type` record of the motor on a joint, whose drive samples once in every `period` [s]."""
+    """Return the fields of a `motor_type` record for the motor on a joint, whose drive samples every `period` [s]."""
     load, slope = spring_load(array, joint) if hardware.load_compensation else (0.0, 0.0)
     return (
         joint,
@@ -93,9 +105,10 @@ def motor_row(
 
 
 def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> TaskNumbers:
-    """Return the numbers of a task and its drives for kernels; the array gives the load that drives compensate."""
-    samples = task.samples(hardware)
-    period = task.control_period / samples
+    """Return a task's `TaskNumbers` with this hardware; `array` gives the spring load that drives compensate."""
+    period = task.control_period / task.samples(hardware)
+    if task.has_loop:
+        period /= refinement(hardware, array, task.driven_joints, period)
     about = float(task.torque_limit), float(task.deadline), hardware, array, period
     motors = [motor_row(joint, *about) for joint in task.driven_joints]
     return TaskNumbers(
@@ -104,7 +117,6 @@ def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> Task
         float(task.deadline * (1.0 + task.overtime)),
         float(task.settling_window),
         period,
-        samples,
         ACTIONS[task.action],
         bool(task.drive_settles),
         np.array(motors, dtype=motor_type),
@@ -113,14 +125,13 @@ def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> Task
 
 @kernel
 def numbers_of(lanes, lane):
-    """Return the task numbers of one lane from the task numbers of all lanes."""
+    """Return the `TaskNumbers` of one lane (environment) from `lanes`, the `TaskNumbers` of all lanes."""
     return TaskNumbers(
         lanes.control_period,
         lanes.deadline,
         lanes.last_chance,
         lanes.settling_window,
-        lanes.sample_period,
-        lanes.samples,
+        lanes.sample_period[lane],
         lanes.action,
         lanes.drive_settles,
         lanes.motors[lane],
@@ -129,7 +140,7 @@ def numbers_of(lanes, lane):
 
 @kernel
 def asked_rate(motor, memory, action):
-    """Advance the lagged logarithm u by one sample for an action in [-1, 1]; return the rate asked for [rad/s]."""
+    """Advance the lagged logarithm in `memory` by one sample for `action`; return the requested joint rate [rad/s]."""
     memory[LOG_RATIO] += motor.lag_response * (REACH * action - memory[LOG_RATIO])
     u = memory[LOG_RATIO]
     return motor.cruise * (math.exp(u) if u < 0.0 else 1.0 + HASTE * u)
@@ -151,7 +162,10 @@ def loop_torque(motor, memory, asked, angle, rate):
 
 @kernel
 def asked_torque(model, state, task, motor, memory, action, rate_error, settling):
-    """Return the torque [N m] that a drive asks of its motor until the next sample; `settling` sets a setpoint of 0."""
+    """Advance a drive's `memory` by one sample, and return the torque [N m] that the drive requests from its motor.
+
+    `rate_error` [rad/s] is added to the true joint rate; `settling` replaces the action by a rate setpoint of 0.
+    """
     view = view_joint_of(model)(model, state, motor.joint)
     rate = view.rate + rate_error
     if task.action == TORQUE and not settling:
@@ -164,7 +178,7 @@ def asked_torque(model, state, task, motor, memory, action, rate_error, settling
 
 @kernel
 def set_torque(state, motor, torque):
-    """Set the motor's torque for a sample [N m]: the torque asked for, after the motor's lag and rate limit."""
+    """Set the motor's `motor_torque` in `state.joints` to the requested `torque` [N m] after lag and rate limit."""
     driven = state.joints[motor.joint]
     if motor.response < 1.0:
         torque = driven.motor_torque + motor.response * (torque - driven.motor_torque)

@@ -1,4 +1,4 @@
-"""The table of features: sensor readings on scales where the values that decide a landing are of order one."""
+"""The table of features: measured values on scales where values that decide a soft latching are of order one."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,12 +10,12 @@ Values = NDArray[np.float64]
 
 
 class Feature(NamedTuple):
-    """A function of a joint's sensor reading, which an observation lists by its name.
+    """A function of a joint's measured value, which an observation lists by its name.
 
     Attributes:
         low, high: bounds of the clipped feature, in its unit.
-        source: name of the observable whose reading is the argument of `function`.
-        function: maps readings (lanes,) and the joint's lock angle [rad] to feature values (lanes,).
+        source: name of the observable whose measured value is the argument of `function`.
+        function: maps measured values (lanes,) and the joint's lock angle [rad] to feature values (lanes,).
     """
 
     name: str

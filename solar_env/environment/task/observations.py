@@ -1,4 +1,4 @@
-"""The table of observables: how each quantity is read from the state, and which sensor effects change its value."""
+"""The table of observables: how each quantity is computed from the state, and which sensor effects change its value."""
 
 import itertools
 import math
@@ -31,12 +31,12 @@ class Observable(NamedTuple):
 
     Attributes:
         low, high: bounds of the clipped quantity, in its unit.
-        code: code of the quantity for `reading`.
+        code: number by which the kernel `reading` computes the quantity.
         by_joint: whether there is one entry per joint.
         by_motor: whether there is one entry per motor.
-        noise: name of the noise's standard deviation in `Hardware`; None for an exact reading.
-        encoder: whether the reading is rounded to steps of `Hardware.encoder_resolution`.
-        delayed: whether the reading appears `Hardware.sensor_delay` control periods late.
+        noise: name of the field of `Hardware` with the noise's standard deviation; None without noise.
+        encoder: whether the measured value is rounded to steps of `Hardware.encoder_resolution`.
+        delayed: whether the measured value appears `Hardware.sensor_delay` control periods late.
     """
 
     name: str
@@ -93,9 +93,10 @@ OBSERVATIONS: dict[str, Names] = {
 
 
 class Entry(NamedTuple):
-    """One entry of the observation vector, with the index of its joint or motor and its age [control periods].
+    """One entry of the observation vector; `age` is how many control periods ago its value was measured.
 
-    `joint` is 0 for the whole array. `number`, the joint's number from 1, is None if the quantity has a single entry.
+    `joint` is the index of its joint or motor, or 0 for the whole array. `number` is the joint's number from 1 in the
+    entry's name, or None if the quantity has a single entry.
     """
 
     observable: Observable | Feature
@@ -111,10 +112,11 @@ class Entry(NamedTuple):
 
 
 def observation_entries(joints: int, observation: str | Names, driven: Sequence[int] = (0,)) -> tuple[Entry, ...]:
-    """Return an observation vector's entries in order; `observation` is a key of `OBSERVATIONS` or a list of names.
+    """Return the entries of the observation vector in order, for a number of joints and the indices of `driven` joints.
 
-    A list has names from `OBSERVABLES` and `FEATURES`, and keys of `OBSERVATIONS`, which stand for their own lists.
-    "theta_2_ago" is the value of theta two control periods ago. The names in a tuple alternate joint by joint.
+    `observation` is a key of `OBSERVATIONS`, or a list of names from `OBSERVABLES` and `FEATURES` and of such keys,
+    which stand for their lists. "theta_2_ago" is the value of theta two control periods ago. The names in a tuple
+    alternate joint by joint.
 
     Raises:
         ValueError: for an unknown name, a name that is listed twice, or an empty list.
@@ -157,7 +159,7 @@ channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 
 
 def measured_for(entry: Entry) -> tuple[Observable, int]:
-    """Return the observable that sensors measure for an entry, and the index of the entry's joint or motor."""
+    """Return the observable that sensors measure for an observation entry, and the index of its joint or motor."""
     of = entry.observable
     name = of.source if isinstance(of, Feature) else of.name
     return next(row for row in OBSERVABLES if row.name == name), entry.joint
@@ -170,7 +172,7 @@ def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
 
 @kernel
 def reading(code, j, model, state, task, drives):
-    """Return the exact value of quantity `code` at joint or motor `j`, in its unit; `drives` is (motors, MEMORY)."""
+    """Return the exact value of observable `code` at joint or motor `j`; `drives` holds the memories of all drives."""
     joint, joint_state, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
     if code == THETA:
         return view.angle / joint.lock_angle

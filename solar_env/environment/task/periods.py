@@ -1,7 +1,7 @@
 """The control period in the environments of a batch, called lanes; a single environment is a batch of one lane.
 
-In this module `models` and `states` are handles to the arrays of all lanes, `task` is one lane's `TaskNumbers`, and
-`periods` is the `Periods` of all lanes.
+In this module `models` and `states` are addresses (handles) of the arrays of all lanes for compiled code, `task` is one
+lane's `TaskNumbers`, and `periods` is the `Periods` of all lanes.
 """
 
 import math
@@ -25,7 +25,7 @@ _SAME = 1e-6  # fraction of a period; smaller differences of time are rounding
 
 
 class Periods(NamedTuple):
-    """Actions, times and results of the present control period in all lanes."""
+    """Arrays of actions, times and results of the present control period, for all lanes (environments) of a batch."""
 
     actions: NDArray[np.float64]  # (lanes, motors) see `Task.action`; kernels clip actions to [-1, 1]
     rate_errors: NDArray[np.float64]  # (lanes, samples, motors) errors of the rate loops' measured rates [rad/s]
@@ -41,17 +41,22 @@ class Periods(NamedTuple):
     terminated: NDArray[np.bool_]  # (lanes,) whether the episode is over
 
 
-def settling_samples(task: TaskNumbers) -> int:
-    """Return the greatest number of drive samples in a settling window, whose first and last sample may be partial."""
-    return math.ceil(task.settling_window / task.sample_period) + 1
+def error_count(task: TaskNumbers) -> int:
+    """Return the greatest number of drive samples in an environment step; settling drives add the settling window.
+
+    The first and the last sample of the settling window may be partial.
+    """
+    period = float(task.sample_period)
+    return round(task.control_period / period) + (
+        math.ceil(task.settling_window / period) + 1 if task.drive_settles else 0
+    )
 
 
-def make_periods(lanes: int, task: TaskNumbers, terms: int, exact: NDArray[np.float32]) -> Periods:
-    """Allocate the arrays of `Periods`; `exact` (lanes, measured) is the array for exact observations."""
-    motors = task.motors.shape[-1]
+def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArray[np.float32]) -> Periods:
+    """Allocate `Periods`; `errors`: number of rate errors per step; `exact` (lanes, measured): exact observations."""
     return Periods(
         np.zeros((lanes, motors)),
-        np.zeros((lanes, task.samples + (settling_samples(task) if task.drive_settles else 0), motors)),
+        np.zeros((lanes, errors, motors)),
         np.zeros((lanes, motors, MEMORY)),
         np.zeros(lanes),
         np.zeros(lanes),
@@ -67,7 +72,7 @@ def make_periods(lanes: int, task: TaskNumbers, terms: int, exact: NDArray[np.fl
 
 @kernel
 def begin_period(state, task, periods, lane):
-    """Reset the peak forces of the last control period, and set the end time of the next control period.
+    """Reset `recent_peak_force` of all joints, and set the end of the next control period in `periods.end_times`.
 
     The end time is a multiple of the control period, so that rounding errors do not accumulate; or the end of the
     episode, if that comes first.
@@ -82,7 +87,7 @@ def begin_period(state, task, periods, lane):
 
 @kernel
 def begin_sample(model, state, task, periods, lane):
-    """Set the motor torques for the drives' next sample, and the end time of that sample."""
+    """Set the motor torques for the drives' next sample, and its end time in `periods.sample_ends` for the lane."""
     settling, sample = task.drive_settles and all_latched(state.joints), periods.samples[lane]
     for k in range(task.motors.size):
         motor, action = task.motors[k], min(max(periods.actions[lane, k], -1.0), 1.0)
@@ -95,7 +100,7 @@ def begin_sample(model, state, task, periods, lane):
 
 @kernel
 def end_period(model, state, task, channels, prices, periods, lane):
-    """Compute the rewards and observations of a completed control period, and whether the episode is over.
+    """Write rewards and exact observations of a completed control period, and `terminated`, to `periods`.
 
     An episode is over a settling window after the last latching, or at `task.last_chance` if a joint is still open.
     """
@@ -148,7 +153,7 @@ def hold_lanes(
 
 @kernel(inlined=False)
 def observe_lanes(models, states, tasks, channels, drives, lanes, observations):
-    """Write exact observations of the present states of some lanes to `observations` (lanes, measured) float32."""
+    """Write exact observations of the present states of `lanes` (k,) to `observations` (lanes, measured) float32."""
     for lane in lanes:
         model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
         observe(model, state, numbers_of(tasks, lane), channels, drives[lane], observations[lane])

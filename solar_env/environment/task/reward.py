@@ -1,4 +1,4 @@
-"""The table of physical figures that an episode can be charged for, and the prices of the figures."""
+"""The table of reward terms: physical quantities for which an episode is charged, and their prices."""
 
 import math
 import sys
@@ -18,16 +18,16 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
 from solar_env.support.values import changed, check_name, is_number, plain
 
-# Codes of the figures that `reading` reads from the state.
+# Codes of the charged quantities, which `reading` computes from the state.
 PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_SLIDING_WORK = range(5)
 MOTOR_WORK, PRELATCH_PEAK, TIME, LATENESS, OPENING = range(5, 10)
 # Forms of a price by name, with their codes for `cost`.
 FORMS = {"linear": 0, "decades": 1}
 LINEAR, DECADES = FORMS.values()
-# How a figure grows with its readings at the ends of the control periods: the figure is the latest reading (of a
-# quantity that never falls), the readings' greatest magnitude, or the sum of their changes' magnitudes.
+# How a charged quantity follows from a measure at the ends of the control periods: it is the latest value (of a
+# measure that never falls), the greatest magnitude, or the sum of the magnitudes of the changes.
 LATEST, GREATEST, CHANGES = range(3)
-# Columns of a term's account: the term's figure so far, and the latest reading.
+# Columns of a term's account: the quantity charged so far, and the latest value of the measure.
 FIGURE, READING = range(2)
 
 
@@ -37,11 +37,11 @@ _NOT_NEGATIVE = Rule(0.0, sys.float_info.max, "of a term of the reward must be f
 
 @dataclass(frozen=True)
 class Price:
-    """The price of a figure. With x = `min(figure / scale, bound)` the figure costs `weight * x` in the form "linear",
-    and `weight * log10(1 + x)` in the form "decades".
+    """The price of a physical quantity q. With x = `min(q / scale, bound)` the cost is `weight * x` in the form
+    "linear", and `weight * log10(1 + x)` in the form "decades".
 
     Attributes:
-        scale: amount of the figure for which x is 1, in the unit of the figure.
+        scale: amount of the quantity for which x is 1, in the quantity's unit.
         weight: factor on the cost; 0 leaves the term out.
         bound: greatest x.
         form: "linear" or "decades".
@@ -63,18 +63,19 @@ class Price:
 
     @property
     def greatest(self) -> float:
-        """Greatest cost of a figure at this price, reached at x = bound."""
+        """Greatest cost at this price, reached at x = bound."""
         return self.weight * (self.bound if self.form == "linear" else math.log10(1.0 + self.bound))
 
 
 class RewardTerm(NamedTuple):
-    """A term of the reward: in each step, minus the growth of a figure's cost in a phase of the episode.
+    """A term of the reward: in each step, minus the growth of a physical quantity's cost.
 
     Attributes:
-        code: code of the figure for `reading`.
-        growth: LATEST, GREATEST or CHANGES.
+        figure, phase, unit: charged quantity, part of the episode in which it is charged, and its unit, as texts.
+        code: number by which the kernel `reading` computes the quantity.
+        growth: how the charged amount follows from values at the ends of steps: LATEST, GREATEST or CHANGES.
         scale: see `Price`; the weight is 0 unless the task's version or the keyword `reward` gives a weight.
-        sign: 1 for a figure that costs, -1 for a figure that earns.
+        sign: 1 for a quantity that costs, -1 for a quantity that earns.
     """
 
     name: str
@@ -126,14 +127,14 @@ class Reward:
     """The reward of an environment: a task version's prices with changes, or a user's function.
 
     Args:
-        changes: mapping of terms to a weight, a mapping of changes to the `Price`, or a `Price`; or a user's function.
+        changes: mapping of terms' names to a weight, to changes of the `Price` or to a `Price`; or a user's function.
         version: version of the task.
 
     Attributes:
         prices: price of every term, by name of the term.
-        function: the user's function, which gets all figures; or None.
+        function: the user's function, which gets the quantities of all terms; or None.
         names: names of the charged terms, whose weight is not zero, in the order of `REWARD_TERMS`.
-        rows: records of `price_type` for kernels, with code, growth and price of every recorded figure.
+        rows: records of `price_type` for kernels, with code, growth and price of every recorded quantity.
 
     Raises:
         ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
@@ -176,12 +177,12 @@ class Reward:
         return np.array(rows, dtype=price_type)
 
     def told(self, time: float, account: NDArray[np.float64]) -> Told:
-        """Return time [s] and figures by name, from an episode's account (terms, 2), for a user's reward function."""
+        """Return time [s] and charged quantities by name, for a user's reward function; `account` as in `charge`."""
         figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
         return {"time_s": time, **figures}
 
     def own(self, before: Told, after: Told) -> float:
-        """Return the user function's reward for a step; a result that is no finite number raises a ValueError."""
+        """Return the user's reward of a step from `before` to `after`; a non-finite result raises a ValueError."""
         assert self.function is not None
         value: Any = plain(self.function(before, after))
         if not is_number(value) or not math.isfinite(value):
@@ -195,9 +196,9 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 
 
 def v1_return(figures: Mapping[str, Any]) -> float:
-    """Compute a deployment's return at the prices of version 1, which all pages quote, from its figures in `info`.
+    """Compute the return of a deployment at the prices of version 1, from its results `info["deployment"]`.
 
-    A late deployment costs as much as version 1 charges at the deadline, without the remaining distance to the lock.
+    All pages quote this return. A late deployment pays for the missed deadline, but not for the distance to the lock.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
@@ -216,7 +217,7 @@ def distance_to_lock(model, state):
 
 @kernel
 def reading(code, model, state, task):
-    """Return the present reading of the figure with a given code, in the figure's unit."""
+    """Return the present value of the quantity with this code (`RewardTerm.code`), in its unit."""
     latched = state.clock[0].latched_joints > 0
     if code == MISSED_DEADLINE:
         return 1.0 + distance_to_lock(model, state) if missed_deadline(state, task) else 0.0
@@ -248,7 +249,7 @@ def reading(code, model, state, task):
 
 @kernel
 def cost(price, figure):
-    """Return the cost of a figure at a weight of 1, in the price's form."""
+    """Return the cost of an amount `figure` of a quantity at a price, before multiplication by the weight."""
     x = min(figure / price.scale, price.bound)
     return x if price.form == LINEAR else math.log10(1.0 + x)
 
@@ -257,7 +258,7 @@ def cost(price, figure):
 def charge(model, state, task, prices, account, terms):
     """Write the reward terms of a control period to `terms` (terms,), update the account, and return the terms' sum.
 
-    The account (terms, 2) holds the figures charged so far and the latest readings; an episode begins with zeros.
+    `account` (terms, 2) holds the quantities charged so far and their latest values; an episode begins with zeros.
     """
     total = 0.0
     for k in range(prices.size):

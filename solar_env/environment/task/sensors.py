@@ -59,14 +59,18 @@ class Sensors:
         self._generators: list[Any] = [None] * lanes  # NumPy generators; None before the first episode
         self._rate_noise = hardware.rate_noise
 
-    def draw_rate_errors(self, lanes: NDArray[np.int64], errors: NDArray[np.float64]) -> None:
-        """Draw `errors` (all lanes, samples, motors) [rad/s] of the rate loops' measured rates, for some lanes (k,)."""
+    def draw_rate_errors(self, lanes: NDArray[np.int64], counts: Sequence[int], errors: NDArray[np.float64]) -> None:
+        """Sample the errors [rad/s] of the rates that rate loops measure in `lanes` (k,), and write them to `errors`.
+
+        `counts` (all lanes,) are numbers of samples per step; `errors` is (all lanes, greatest count, motors).
+        """
         if self._rate_noise > 0.0:
             for lane in lanes:
-                errors[lane] = self._rate_noise * self._generators[lane].standard_normal(errors.shape[1:])
+                mine = errors[lane, : counts[lane]]
+                mine[:] = self._rate_noise * self._generators[lane].standard_normal(mine.shape)
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
-        """Observe the first state of episodes in lanes (k,), also as the past; `generators` (k,) draw the noise."""
+        """Begin episodes in `lanes`: measure `exact` into `observed` and the past; `generators` (k,) make the noise."""
         for lane, generator in zip(lanes, generators, strict=True):
             self._generators[lane] = generator
         if self._transparent:
@@ -77,7 +81,7 @@ class Sensors:
         self._show(lanes)
 
     def measure(self, lanes: NDArray[np.int64]) -> None:
-        """Update `observed` in some lanes (k,) from `exact`, with noise, encoder steps and delays."""
+        """Compute `observed` of `lanes` (k,) from `exact`, with noise, encoder steps and delays."""
         if self._transparent:
             return
         measured = self._measured(lanes)
@@ -88,7 +92,7 @@ class Sensors:
         self._show(lanes)
 
     def _show(self, lanes: NDArray[np.int64]) -> None:
-        """Write present and past measurements, and the features of these, to `observed`."""
+        """Write present and past measured values of `lanes`, and features computed from these, to `observed`."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
         for k, feature, lock_angle in self._features:

@@ -26,7 +26,7 @@ class Task:
         torque_limit: greatest motor torque [N m].
         control_period: time between two actions [s].
         deadline: time by which every joint should have latched [s].
-        overtime: time by which an episode with an open joint continues after the deadline, divided by the deadline.
+        overtime: time for which an episode with an open joint continues after the deadline, divided by the deadline.
         settling_window: time after the last latching until the episode ends [s].
         drive_settles: whether the drive alone brings the array to rest after the last latching; the step of that
             latching then lasts until the episode ends.
@@ -69,7 +69,7 @@ class Task:
         return ACTIONS[self.action] != TORQUE or self.drive_settles
 
     def samples(self, hardware: Hardware) -> int:
-        """Return the drive's samples per control period, 1 without a rate loop; a fraction raises a ValueError."""
+        """Return the least number of drive samples per control period, at least 1; a fraction raises a ValueError."""
         if not self.has_loop:
             return 1
         samples = self.control_period * hardware.rate_loop_frequency
@@ -82,9 +82,10 @@ class Task:
 
 
 class Version(NamedTuple):
-    """A version of the task, such as "v2" in an environment's id: the task, changes to the scenario's hardware, further
-    changes for rigid panels, the observation, and the prices of charged terms. The values have the form of the keywords
-    `hardware`, `observation` and `reward`.
+    """A version of the task, such as "v2" in an environment's id, with defaults for the environment's keywords.
+
+    `hardware` changes the scenario's hardware; `rigid_hardware` changes it further for rigid panels. `observation` and
+    `prices` are the defaults of the keywords `observation` and `reward`.
     """
 
     task: Task
@@ -112,7 +113,7 @@ VERSIONS = {
             drive_settles=True,
             action="log_rate",
         ),
-        # A reading that is late by one period of version 1, 0.1 s, arrives within a period of 0.5 s.
+        # A measured value that is late by one period of version 1, 0.1 s, arrives within a period of 0.5 s.
         {"setpoint_rate_limit": 0.05, "load_compensation": True, "sensor_delay": 0},
         # Only for rigid panels: a loop with this gain shakes flexible panels.
         {"rate_loop_gain": 25.0, "rate_loop_frequency": 20.0},

@@ -1,4 +1,4 @@
-"""Centrelines of bodies, computed from the coordinates for drawings and figures. Plain NumPy."""
+"""Centrelines of bodies as points, computed from the generalized coordinates for drawings and plots. Plain NumPy."""
 
 import numpy as np
 from numpy.typing import NDArray

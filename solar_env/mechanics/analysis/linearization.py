@@ -27,21 +27,21 @@ _TOLERANCE = 1e-11  # tolerance of a Newton correction, relative to the length s
 
 
 class Linearization(NamedTuple):
-    """Matrices of M a + D v + K x + C^T (multipliers) = 0 with C x = 0, for small changes x of the coordinates.
+    """Matrices of the linear equations M x'' + D x' + K x + C^T mu = 0 with C x = 0.
 
-    Coordinates of fixed bodies do not move; their rows and columns are zero.
+    x and mu are small changes of coordinates and multipliers. Rows and columns of fixed bodies' coordinates are zero.
     """
 
     mass: Matrix  # (n, n)
     damping: Matrix  # (n, n)
-    stiffness: Matrix  # (n, n), including the stiffness of constraint forces
+    stiffness: Matrix  # (n, n), including the geometric stiffness of the constraint forces
     constraints: Matrix  # (m, n)
 
 
 class NewtonEquations:
-    """Residual and matrix of the Newton iteration for a mechanism at a configuration, as dense arrays.
+    """Residual and matrix of Newton's iteration for a mechanism at one configuration, as dense arrays.
 
-    Stops act. Contacts in clearance joints do not act, because a contact begins only in motion.
+    Torques of stops are included. Contact forces in clearance joints are not, because a contact begins only in motion.
     """
 
     def __init__(self, model: Model, state: State) -> None:
@@ -55,7 +55,7 @@ class NewtonEquations:
         self.moving = np.flatnonzero(model.elimination.position >= 0)  # unknowns that are not held
 
     def residual(self, model: Model) -> Matrix:
-        """Return the negative residuals (unknowns,) of dynamics and constraints, under the loads of `model`."""
+        """Return the negative residuals (unknowns,) of motion and constraint equations, under the loads of `model`."""
         fill_residual(model, self.state, self.iteration, self.work, 0.0, 1.0)
         return np.asarray(self.iteration.rhs)
 
@@ -71,7 +71,7 @@ def linearize(mechanism: Mechanism) -> Linearization:
     """Linearize a mechanism about its initial state.
 
     Raises:
-        ValueError: if the constraints are violated in the initial state, or redundant.
+        ValueError: if the initial state violates the constraints, or if constraints are redundant.
     """
     simulation = Simulation(mechanism)
     model, state = simulation.model, simulation.state
@@ -90,8 +90,7 @@ def linearize(mechanism: Mechanism) -> Linearization:
 def natural_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
     """Return the undamped natural frequencies (k,) [Hz] at the initial state, ascending; rigid-body motions give zeros.
 
-    Raises:
-        ValueError: as in `natural_modes`.
+    Raise a ValueError in the same cases as `natural_modes`.
     """
     return natural_modes(mechanism)[0]
 
@@ -117,10 +116,10 @@ def natural_modes(mechanism: Mechanism) -> tuple[NDArray[np.float64], Matrix]:
 
 
 def static_equilibrium(mechanism: Mechanism, load_steps: int = 10) -> NDArray[np.float64]:
-    """Return the coordinates (n,) at rest under springs, weight and loads; drives keep their angles at t = 0.
+    """Return the equilibrium coordinates (n,) under springs, weight and loads; drives keep their angles at t = 0.
 
-    Weight and loads grow in `load_steps` equal steps, so that Newton's iteration reaches large deflections. Stops act;
-    contacts in clearance joints do not.
+    Weight and loads grow in `load_steps` equal steps, so that Newton's iteration reaches large deflections. Torques of
+    stops are included; contact forces in clearance joints are not.
 
     Raises:
         SimulationError: if the iteration does not converge, or the mechanism can move freely.

@@ -1,7 +1,7 @@
 """Columns of the joint tables, and `TORQUES`, the table of all torque laws at a hinge.
 
 A `TORQUES` entry names a torque and the energies that the torque stores, supplies or dissipates. Integrals, energies,
-trajectories, files and torque sums follow from the entries. The compiled torque laws are in `joints/torques`.
+trajectories, files and torque sums are derived from these entries. The compiled torque laws are in `joints/torques`.
 """
 
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from solar_env.mechanics.arrays import model as m
 # Columns of a joint's motion, the first ones of every joint table.
 ECCENTRICITY_X, ECCENTRICITY_Y, ANGLE, RATE, OUTBOARD_SPIN, INBOARD_SPIN = range(6)
 SHARED_COLUMNS = 6
-# Further columns of the joint-load table, which one evaluation of the forces fills; torque columns are adjacent.
+# Further columns of the joint-load table, written by every evaluation of the forces; torque columns are adjacent.
 NORMAL, TANGENTIAL, FORCE_X, FORCE_Y = range(6, 10)
 SPRING_TORQUE, CABLE_TORQUE, LATCH_TORQUE, MOTOR_TORQUE, HARNESS_TORQUE, DAMPING_TORQUE, HINGE_FRICTION_TORQUE = range(
     10, 17
@@ -30,7 +30,7 @@ class TorqueLaw(NamedTuple):
         column: the torque's column in the joint-load table.
         energy: name of the energy that the torque stores; empty if it stores no energy.
         book: name of the energy that the torque supplies or dissipates; empty if neither.
-        integral: column of the energy `book` among a joint's integrals.
+        integral: column of the energy `book` among a joint's time integrals; -1 if `book` is empty.
         lost: whether the energy `book` is dissipated; otherwise it is supplied.
     """
 
@@ -64,5 +64,5 @@ FIRST_TORQUE, END_OF_TORQUES = TORQUES[0].column, TORQUES[-1].column + 1
 
 
 def total_torque(loads: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the hinge torque [N m] (...,), summed over all torque laws, from joint-load tables (..., columns)."""
+    """Return the hinge torque [N m] (...,), summed over all torque laws, from joint-load tables (..., LOAD_COLUMNS)."""
     return np.asarray(loads[..., FIRST_TORQUE:END_OF_TORQUES].sum(axis=-1))

@@ -15,12 +15,12 @@ Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
 def with_lane_axis(arrays: Arrays) -> Arrays:
-    """Return a mechanism's arrays with a lane axis of length one; arrays share their memory, numbers are copied."""
+    """Return a mechanism's arrays with a new lane axis of length one in front: views of arrays, copies of numbers."""
     return _mapped(lambda entry: np.asarray(entry)[np.newaxis], arrays)
 
 
 def allocate_lanes(arrays: Arrays, lanes: int) -> Arrays:
-    """Allocate uninitialised arrays for `lanes` mechanisms of the same structure as `arrays`."""
+    """Return uninitialised arrays with a leading axis of `lanes` mechanisms, each with the structure of `arrays`."""
 
     def allocate(entry: Any) -> NDArray[Any]:
         one: NDArray[Any] = np.asarray(entry)
@@ -30,7 +30,7 @@ def allocate_lanes(arrays: Arrays, lanes: int) -> Arrays:
 
 
 def lane_view(lanes: Arrays, lane: int) -> Arrays:
-    """Return views of one lane's arrays, which share memory with `lanes`; works in Python and in kernels."""
+    """Return views, for Python or kernels, of the arrays of lane number `lane`; they share memory with `lanes`."""
     return _mapped(lambda entry: entry[lane], lanes)
 
 
@@ -40,7 +40,7 @@ def copied(arrays: Arrays) -> Arrays:
 
 
 def check_structure(lanes: Arrays, arrays: Arrays) -> None:
-    """Check that a mechanism's arrays have the same shapes as the arrays of one lane.
+    """Check that a mechanism's `arrays` have the same shapes as one lane of the batch arrays `lanes`.
 
     Raises:
         ValueError: if a shape differs; the message names the array.
@@ -55,7 +55,7 @@ def check_structure(lanes: Arrays, arrays: Arrays) -> None:
 
 
 def fill_lane(lanes: Arrays, lane: int, arrays: Arrays) -> None:
-    """Copy a mechanism's arrays into one lane; the structures must be equal."""
+    """Copy a mechanism's `arrays` to lane number `lane` of the batch arrays `lanes`; the structures must be equal."""
     for _, target, source in _pairs(lanes, arrays):
         target[lane] = source
 
@@ -78,7 +78,7 @@ def _mapped(function: Any, arrays: Any) -> Any:
 
 @overload(lane_view, inline="always")
 def _compiled_lane_view(lanes, lane):
-    """Compile `lane_view` as a written-out call of the tuple's class: Numba cannot build a named tuple in a loop."""
+    """Return generated code of `lane_view` with constructor calls: Numba cannot build a named tuple in a loop."""
     classes: dict[str, Any] = {}
 
     def construction(kind: types.BaseNamedTuple, path: str) -> str:
@@ -97,7 +97,7 @@ def _compiled_lane_view(lanes, lane):
 
 
 def take_ticket(counter: NDArray[np.int64]) -> int:
-    """Return `counter[0]` and raise it by one. The compiled call is atomic: no two threads get the same number."""
+    """Return `counter[0]` and increase it by one. The compiled call is atomic: no two threads get the same number."""
     ticket = int(counter[0])
     counter[0] += 1
     return ticket

@@ -3,8 +3,8 @@
 Parts of one kind, such as joints, are rows of one structured array. A kernel then reads `joint.clearance` by name, and
 few arrays cross from Python to a kernel. All quantities are in SI units.
 
-Generalized coordinates `q` come body by body. Only the kinds of body (`bodies/kinds.py`) know the coordinates' meaning
-and the record type of bodies.
+Generalized coordinates `q` are ordered body by body. Only the kinds of body (`bodies/kinds.py`) know the coordinates'
+meaning and the record type of bodies.
 """
 
 from typing import NamedTuple
@@ -17,13 +17,13 @@ from solar_env.mechanics.numerics.profile import Elimination
 
 # Kinds of accelerations in a state: exact, accurate to a step's tolerance, or made by generalized-alpha.
 EXACT, APPROXIMATE, ALGORITHMIC = 1, 2, 3
-TABLE_ROWS = MOST_POINTS + 1  # rows in the table of a torque by its angle
+TABLE_ROWS = MOST_POINTS + 1  # rows of a compiled table of torque against angle
 # Joint kinds.
 IDEAL, CLEARANCE = 0, 1
 
 
 def record(members: list[tuple[str, type] | tuple[str, type, int | tuple[int, ...]]]) -> np.dtype[np.void]:
-    """Return a record type whose members are attributes even in Python, so that kernels also run uncompiled."""
+    """Return a NumPy record type whose fields are attributes even in Python, so that kernels also run uncompiled."""
     return np.dtype((np.record, np.dtype(members, align=True)))
 
 
@@ -81,8 +81,8 @@ cable_type = record(
     [
         ("joint_a", np.int64),
         ("joint_b", np.int64),
-        # Nonzero if wheel angles count from a chord, not from the axis of the body between the joints:
-        # 1 if that axis runs from joint a to joint b, -1 if it runs from b to a.
+        # Nonzero if wheel angles are measured from a chord, not from the axis of the body between the joints: 1 if that
+        # axis runs from joint a to joint b, -1 if it runs from b to a.
         ("chord_sense", np.int64),
         ("first", np.int64),  # markers at the ends of the chord
         ("last", np.int64),
@@ -171,7 +171,7 @@ GLOBAL_INTEGRALS = 2
 
 
 def joint_integrals(integrals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the joints' part of running integrals (..., count), as an array (..., joints, INTEGRALS_PER_JOINT)."""
+    """Return the joints' entries of the time integrals (..., count), as an array (..., joints, INTEGRALS_PER_JOINT)."""
     by_joint = integrals[..., :-GLOBAL_INTEGRALS]
     return by_joint.reshape(*by_joint.shape[:-1], -1, INTEGRALS_PER_JOINT)
 
@@ -190,12 +190,12 @@ class Elements(NamedTuple):
 
     offset: NDArray[np.int64]  # (blocks, LANES) first coordinate of the element
     inverse_length: NDArray[np.float64]  # (blocks, LANES)
-    constants: NDArray[np.float64]  # (blocks, 3 * LANES)
+    constants: NDArray[np.float64]  # (blocks, 3 * LANES) E A L, E I / L and retardation time of the elements
     filled: NDArray[np.int64]  # (blocks,) number of elements in use
 
 
 class Constraints(NamedTuple):
-    """Linear constraints; row r: value[r, k] * q[coordinate[r, k]], summed over k < size[r], must equal target[r]."""
+    """Linear constraints; in row r, the sum over k < size[r] of value[r, k] * q[coordinate[r, k]] must be target[r]."""
 
     size: NDArray[np.int64]  # (m,)
     coordinate: NDArray[np.int64]  # (m, ROW_ENTRIES)
@@ -226,7 +226,7 @@ class Model(NamedTuple):
 
 
 class State(NamedTuple):
-    """Arrays that change in a run; copying them copies the simulation, even in the middle of a contact."""
+    """Arrays that change during a run; copying them copies the simulation, even in the middle of a contact."""
 
     q: NDArray[np.float64]  # (n,) generalized coordinates
     v: NDArray[np.float64]  # (n,) velocities

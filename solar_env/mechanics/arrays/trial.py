@@ -1,4 +1,4 @@
-"""Records of the current step, shared by run loop and methods: the tried step, and the joints' motion at its ends."""
+"""Record types that run loop and integration methods share: the trial step, and the joints' motion at its ends."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from solar_env.mechanics.arrays.model import record
 trial_type = record(
     [
         ("wanted", np.float64),  # step [s] that the method would take if the call did not end
-        ("step", np.float64),  # step [s] that is tried; it ends at the end of the call at the latest
+        ("step", np.float64),  # step [s] that is tried; it reaches at most to the end of the call
         ("error", np.float64),  # error of the step in units of the tolerance
         ("retry", np.float64),  # step [s] to try after a rejection; 0: derive it from the error; negative: give up
         ("reason", np.int64),  # status code if the method gives up; 0: the run loop chooses the code
@@ -22,7 +22,7 @@ trial_type = record(
         ("implicit", np.int64),
         # Whether the step corrects for stiff contacts: accelerations inside the step then differ from its end values.
         ("stiff_contacts", np.int64),
-        ("level", np.int64),  # level of the modal panels' tables for the step size; -1 if the size is not tabulated
+        ("level", np.int64),  # index of the step size in the modal panels' response tables; -1 if not tabulated
     ]
 )
 

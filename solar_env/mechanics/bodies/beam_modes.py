@@ -34,8 +34,8 @@ class EndModes(NamedTuple):
 
     Attributes:
         frequencies: (modes,) angular frequencies [rad/s]; pseudo-modes come last.
-        rows: (end values, modes) per unit amplitude, displacements [1/sqrt(kg)] and slopes [1/(m sqrt(kg))]. Bending
-            has deflection and slope at the first end, then at the other; axial modes have both ends' displacements.
+        rows: (end values, modes) per unit modal amplitude: displacements [1/sqrt(kg)] and slopes [1/(m sqrt(kg))].
+            Bending: deflection and slope of the first end, then of the second; axial: displacements of both ends.
     """
 
     frequencies: NDArray[np.float64]
@@ -44,7 +44,7 @@ class EndModes(NamedTuple):
 
 @lru_cache(maxsize=256)
 def wave_number(k: int) -> Real:
-    """Return the bending wave number x_k: solution number `k`, counted from 1, of cos x cosh x = 1."""
+    """Return the `k`-th positive solution (k >= 1) of cos x cosh x = 1: wave number times length of a free beam."""
     start = (k + _CONTEXT.mpf(1) / 2) * _CONTEXT.pi
     if k > _ASYMPTOTIC:
         return start
@@ -52,7 +52,7 @@ def wave_number(k: int) -> Real:
 
 
 def slope_factor(x: Real) -> Real:
-    """Return the factor sigma in the bending mode shape cosh + cos - sigma (sinh + sin) with the wave number `x`."""
+    """Return sigma in a free beam's mode shape cosh(x s) + cos(x s) - sigma (sinh(x s) + sin(x s)), s from 0 to 1."""
     return (_CONTEXT.cosh(x) - _CONTEXT.cos(x)) / (_CONTEXT.sinh(x) - _CONTEXT.sin(x))
 
 
@@ -111,12 +111,12 @@ def _end_modes(numbers: Sequence[Real], rows: Sequence[Sequence[Real]]) -> EndMo
 
 
 def _end_values(x: Real) -> tuple[Real, Real]:
-    """Return a bending mode's values at the first end: the deflection, and the slope times the beam's length."""
+    """Return the first end's deflection, and slope times length, in the bending mode with the wave number `x`."""
     return _CONTEXT.mpf(2), -2 * slope_factor(x) * x
 
 
 def _next_of_parity(kept: int, parity: int) -> int:
-    """Return the number of the first mode above `kept` that is even (`parity` 0) or odd (1)."""
+    """Return the lowest mode number above `kept` that is even (`parity` 0) or odd (`parity` 1)."""
     return kept + 1 + (kept + 1 + parity) % 2
 
 
@@ -126,7 +126,7 @@ def _sum_over_others(power: int, first: Real) -> Real:
 
 
 def _bending_moment(first: int, power: int) -> Any:
-    """Return the (2, 2) sum of v v^T x^(-4 power) over modes first, first + 2, ..., where v are `_end_values`."""
+    """Return the (2, 2) sum of v v^T x^(-4 power) over modes first, first + 2, ...: end values v, wave number x."""
     moment = _CONTEXT.matrix(2, 2)
     k = first
     while k <= _ASYMPTOTIC:
@@ -143,7 +143,7 @@ def _bending_moment(first: int, power: int) -> Any:
 
 
 def _pseudo_modes(moments: Sequence[Any], blocks: int) -> tuple[list[Real], list[tuple[Real, ...]]]:
-    """Return pseudo-modes' frequencies and end values; moments[p - 1] sums v v^T omega^-2p over even or odd modes."""
+    """Return frequencies and end values of pseudo-modes; moments[p - 1]: sum of v v^T omega^-2p for end values v."""
     values = moments[0].rows
     size = values * blocks
     stiffness, gram = _CONTEXT.matrix(size, size), _CONTEXT.matrix(size, size)

@@ -144,7 +144,7 @@ class ModalPanel(AnyBody):
 
     @property
     def inertia(self) -> float:
-        """Moment of inertia about the centre of mass [kg m2]; the panel has no thickness."""
+        """Moment of inertia about the centre of mass [kg m2]; the panel's thickness is neglected."""
         return self.mass * self.length**2 / 12.0
 
     @property

@@ -1,6 +1,6 @@
-"""Mass, forces, energies and constraints of any body: each function calls the function of the body's kind.
+"""Mass, forces, energies and constraints of any body: each function calls its counterpart for the body's kind.
 
-Fixed bodies of every kind have neither inertia nor accelerations.
+Fixed bodies of every kind have zero accelerations, and add nothing to mass matrix and kinetic energy.
 """
 
 from solar_env.mechanics.bodies import natural_coordinates
@@ -11,14 +11,14 @@ from solar_env.mechanics.numerics.jit import kernel
 
 @kernel
 def _hold(body, a):
-    """Set the body's accelerations to zero."""
+    """Set the body's entries of the accelerations `a` (n,) to zero."""
     for i in range(body.offset, body.offset + body.coordinates):
         a[i] = 0.0
 
 
 @kernel
 def solve_body(body, constants, q, v, force, a, with_velocity):
-    """Write a single body's accelerations under a generalized `force` to `a`; return its constraint's multiplier, or 0.
+    """Write a body's accelerations under `force` (n,), without joints, to `a`; return its length multiplier, or 0.
 
     `with_velocity` is 1, or 0 to omit velocity terms: the accelerations are then linear in `force`.
     """
@@ -33,7 +33,7 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
 
 @kernel
 def solve_free(body, constants, force, a):
-    """Write a body's M^-1 force to `a` (n,): the accelerations without the body's own constraint."""
+    """Write M^-1 `force` of a body to `a` (n,): its accelerations without joints and without its length constraint."""
     if body.fixed:
         _hold(body, a)
     elif body.kind == CABLE_ELEMENTS:
@@ -55,7 +55,7 @@ def add_mass_product(body, constants, a, out):
 
 @kernel
 def add_mass_matrix(body, constants, elimination, matrix):
-    """Add a body's mass matrix to the profile matrix `matrix` (`profile.py`)."""
+    """Add a body's mass matrix to the sparse profile matrix `matrix` (`profile.py`)."""
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:
@@ -86,7 +86,7 @@ def elastic_energy(bodies, q):
 
 @kernel
 def add_internal_forces(model, q, v, force, element_table):
-    """Add the internal forces of all bodies to `force` (n,); return the power [W] that material damping dissipates."""
+    """Add internal forces of all bodies to `force` (n,), using scratch `element_table`; return damping power [W]."""
     # Without beams the call alone would take several percent of an evaluation.
     if model.cable_elements.filled.size == 0:
         return 0.0
@@ -95,7 +95,7 @@ def add_internal_forces(model, q, v, force, element_table):
 
 @kernel
 def project_bodies(bodies, q, v):
-    """Project each body's coordinates and velocities onto the body's constraint, by the least change in mass metric."""
+    """Project each body's `q` and `v` in place onto its own constraint, by the least change in the mass metric."""
     for b in range(bodies.size):
         body = bodies[b]
         if body.constraints:

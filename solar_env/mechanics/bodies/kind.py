@@ -15,13 +15,13 @@ Described = TypeVar("Described", bound=AnyBody)
 
 
 class BodyKind(ABC, Generic[Described]):
-    """A kind of body, whose bodies have n generalized coordinates each.
+    """Interface of a kind of body; each body of the kind has n generalized coordinates.
 
     Attributes:
-        description: class of the parameters.
-        body_fields: members of a body's row that the kind's kernels need beyond the common members.
+        description: class of the bodies' parameters.
+        body_fields: record fields that the kind's kernels need, beyond the fields common to all bodies.
         deformable: whether bodies of the kind deform.
-        constraints: number of constraints among a body's coordinates, 0 or 1.
+        constraints: number of constraints between a body's own coordinates, 0 or 1.
     """
 
     description: ClassVar[type[AnyBody]]
@@ -35,11 +35,11 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def fill(self, body: Described, row: np.void, constants: list[float]) -> None:
-        """Fill the kind's members of a body's row; append arrays to `constants`, and their first index to the row."""
+        """Write a body's parameters to its record `row`; append arrays to `constants`, with their indices in `row`."""
 
     @abstractmethod
     def fill_marker(self, body: Described, row: np.void, first: int, point: Point) -> None:
-        """Fill a marker's row for a point of the body frame [m]; `first` is the index of the body's first coordinate.
+        """Write the marker record `row` for a body-frame `point` [m]; `first` is the body's first coordinate index.
 
         Raises:
             ValueError: if the kind allows no marker at the point.
@@ -51,14 +51,14 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def weight(self, body: Described, gravity: Point) -> Array:
-        """Return a body's generalized weight (n,), which must be constant, from the gravity vector [m/s2]."""
+        """Return a body's generalized gravity force (n,), which must be constant, for a gravity vector [m/s2]."""
 
     def error_weight(self, body: Described) -> Array:
-        """Return the coordinates' weights (n,) in error norms: lengths by which a unit of each moves the inertia."""
+        """Return error-norm weights (n,), which convert coordinates to translations of equal inertia; default: 1."""
         return np.ones(self.coordinates(body))
 
     def stable_step(self, body: Described) -> float:
-        """Return the largest step [s] for which the explicit method is stable on the body without joints."""
+        """Return the largest step [s] for which explicit Runge-Kutta is stable on the body without joints."""
         return math.inf
 
     def rigid_motions(self, q: Array) -> Array:
@@ -71,4 +71,4 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Return the points (..., k, 2) [m] along the body's axis from its coordinates (..., n), for pictures."""
+        """Return points (..., k, 2) [m] along the axis of the body with record `row` at coordinates `q` (..., n)."""

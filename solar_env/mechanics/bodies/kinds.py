@@ -1,4 +1,4 @@
-"""Table of the kinds of body, and the record type of a body, which has the members of all kinds."""
+"""Table of the kinds of body, and the record type of a body, which has the fields of all kinds."""
 
 from typing import Any
 
@@ -19,7 +19,7 @@ _BODY: Fields = [
     ("offset", np.int64),  # first generalized coordinate
     ("coordinates", np.int64),  # number of generalized coordinates
     ("fixed", np.int64),  # whether the body is held in place
-    ("constraints", np.int64),  # number of constraints among its coordinates: 1 for its length, or 0
+    ("constraints", np.int64),  # number of constraints between its own coordinates: 1 for its length, or 0
     ("length", np.float64),
 ]
 body_type = record(list(dict([*_BODY, *(member for kind in KINDS for member in kind.body_fields)]).items()))

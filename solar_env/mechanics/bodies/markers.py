@@ -1,8 +1,8 @@
-"""Markers: their positions and directions, motion and loads, and the derivatives of these by the coordinates.
+"""Markers, points of bodies with a direction: their motion and loads, and derivatives of these by the coordinates.
 
-A body's coordinates are points and vectors, and a marker is linear in them. With two coordinate pairs p1 and p2 and the
-quarter turn J, position = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction's length is the
-body's length, or a beam's local stretch. The same formulas give the rates from velocities.
+A body's coordinates are points and vectors, and a marker is linear in them. With two coordinate pairs p1 and p2 and J,
+the rotation by 90 degrees, position = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction's
+length is the body's length, or a beam's local stretch. The same formulas give the rates from velocities.
 """
 
 import math
@@ -33,7 +33,7 @@ def pair_coordinates(row: np.void) -> list[int]:
 
 
 def place_row(row: np.void, axis: int) -> dict[int, float]:
-    """Return the nonzero coefficients of a marker's x (axis 0) or y (axis 1), by coordinate index."""
+    """Return the nonzero coefficients, by coordinate index, of a marker's x (`axis` 0) or y position (`axis` 1)."""
     turn = -1.0 if axis == 0 else 1.0
     entries: dict[int, float] = {}
     for first, a, b in ((int(row["i1"]), row["a1"], row["b1"]), (int(row["i2"]), row["a2"], row["b2"])):
@@ -99,17 +99,17 @@ def add_torque(marker, q, torque, force):
 
 @kernel(inlined=False)
 def angle_hessian(dx, dy):
-    """Return the entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
+    """Return the entries (xx, xy) of the Hessian of atan2(dy, dx) with respect to (dx, dy); yy = -xx."""
     fourth = (dx * dx + dy * dy) ** 2
     return 2.0 * dx * dy / fourth, (dy * dy - dx * dx) / fourth
 
 
 @kernel
 def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
-    """Fill the derivatives of a marker's motion by its four coordinates, in columns 4 * side to 4 * side + 3.
+    """Store derivatives of a marker's motion by its four coordinates in columns 4 * side to 4 * side + 3 (`side` 0, 1).
 
     `gradient` (4, 8) gets derivatives of x and y in rows 0 and 1, and of the direction angle in row 2 + side.
-    `rate_slope` (4, 8) gets derivatives of the rates; its rows 0 and 1 stay zero. Both arrays must be zero before.
+    `rate_slope` (4, 8) gets derivatives of its rate there. Both must be zero before; `index` gets coordinate indices.
     """
     k, angle = 4 * side, 2 + side
     index[k], index[k + 1] = marker.i1, marker.i1 + 1
@@ -130,7 +130,7 @@ def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
 
 @kernel
 def subtract_hessian(marker, q, torque, elimination, matrix):
-    """Subtract torque * (Hessian of the direction angle) from `matrix`; the position's Hessian is zero."""
+    """Subtract `torque` times the Hessian of a marker's direction angle from `matrix`; a position's Hessian is zero."""
     dx, dy = direction(marker, q)
     hxx, hxy = angle_hessian(dx, dy)
     for row in range(2):

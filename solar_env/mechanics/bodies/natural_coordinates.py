@@ -2,7 +2,7 @@
 
 The mass matrix is constant and the only constraint is the length. The multiplier of a single body therefore has a
 closed form (J. Garcia de Jalon and E. Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
-doi:10.1007/978-1-4612-2600-0; paper, Eqs 8-15). With J the quarter turn, every 2 x 2 block has the form a I + b J.
+doi:10.1007/978-1-4612-2600-0; paper, Eqs 8-15). Every 2 x 2 block is a I + b J, with J the turn by 90 degrees.
 """
 
 import math
@@ -31,20 +31,20 @@ class NaturalCoordinates(BodyKind[Body]):
         return 4
 
     def fill(self, body: Body, row: np.void, constants: list[float]) -> None:
-        """Fill the body's length, mass matrix and inverse mass matrix."""
+        """Write the body's length, mass matrix and inverse mass matrix to its record `row`; `constants` is unused."""
         row["length"], row["fixed"] = body.length, body.fixed
         mass = mass_parameters(body.mass, body.inertia, body.length, body.centroid)
         row["m11"], row["m22"], row["m12"], row["n12"] = mass
         row["w11"], row["w22"], row["w12"], row["x12"] = inverse_mass_parameters(*mass)
 
     def fill_marker(self, body: Body, row: np.void, first: int, point: Point) -> None:
-        """Fill a marker's row for any point of the body frame; the direction is p2 - p1."""
+        """Write the marker record `row` for any `point` [m] of the body frame; the marker's direction is p2 - p1."""
         along, across = point[0] / body.length, point[1] / body.length
         row["i1"], row["i2"], row["c1"] = first, first + 2, -1.0
         row["a1"], row["b1"], row["a2"], row["b2"] = 1.0 - along, -across, along, across
 
     def initial_motion(self, body: Body) -> tuple[Array, Array]:
-        """Return the base points' positions and velocities at t = 0; a fixed body is at rest."""
+        """Return the base points' positions (4,) and velocities (4,) at t = 0; a fixed body is at rest."""
         c, s = math.cos(body.angle), math.sin(body.angle)
         points = np.array([0.0, body.length])
         q = (np.array(body.position) + np.outer(points, (c, s))).ravel()
@@ -52,7 +52,7 @@ class NaturalCoordinates(BodyKind[Body]):
         return q, np.zeros(4) if body.fixed else v
 
     def weight(self, body: Body, gravity: Point) -> Array:
-        """Return the generalized weight of the body, which acts at the centroid; it is zero for a fixed body."""
+        """Return the generalized gravity force (4,), which acts at the centroid; it is zero for a fixed body."""
         along, across = body.centroid[0] / body.length, body.centroid[1] / body.length
         gx, gy = gravity
         force = np.zeros(4)
@@ -72,7 +72,7 @@ def mass_parameters(
 ) -> tuple[float, float, float, float]:
     """Return the blocks (m11, m22, m12, n12) [kg] of the mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]].
 
-    `centroid` is the position [m] along and across the line p1 -> p2, measured from p1.
+    `centroid`: position [m] along and across the line p1 -> p2, measured from p1. J is the rotation by 90 degrees.
     """
     along, across = centroid[0] / length, centroid[1] / length
     second = inertia / length**2 + mass * (along**2 + across**2)
@@ -115,7 +115,7 @@ def add_body_matrix(body, weight, multiplier, elimination, matrix):
 
 @kernel
 def solve_mass(body, force, a):
-    """Write a rigid body's M^-1 force to `a` (n,): the acceleration without the length constraint."""
+    """Write M^-1 times a rigid body's `force` to `a` (n,): its acceleration without joints and length constraint."""
     k = body.offset
     fx, fy, gx, gy = force[k], force[k + 1], force[k + 2], force[k + 3]
     a[k] = body.w11 * fx + body.w12 * gx - body.x12 * gy
@@ -126,7 +126,7 @@ def solve_mass(body, force, a):
 
 @kernel
 def solve_body(body, q, v, force, a, with_velocity):
-    """Write a single rigid body's acceleration under a generalized `force` to `a`; return the length's multiplier.
+    """Write a rigid body's acceleration under `force` (n,), without joints, to `a`; return its length multiplier.
 
     `with_velocity` is 1, or 0 to omit the centripetal term: the acceleration is then linear in `force`.
     """
@@ -154,7 +154,7 @@ def solve_body(body, q, v, force, a, with_velocity):
 
 @kernel
 def project_length(body, q, v):
-    """Restore a rigid body's length, and the rigidity of its velocities, by the smallest change in the mass metric."""
+    """Correct `q` to a rigid body's length, and `v` to zero stretch rate, by the least change in the mass metric."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     squared = dx * dx + dy * dy
@@ -176,14 +176,14 @@ def project_length(body, q, v):
 
 @kernel
 def stretch_along(body, q, x, y):
-    """Return the scalar product of p2 - p1 with (x, y), the difference of the base points' motions."""
+    """Return the scalar product of p2 - p1 with (x, y), the motion of p2 minus the motion of p1."""
     k = body.offset
     return (q[k + 2] - q[k]) * x + (q[k + 3] - q[k + 1]) * y
 
 
 @kernel
 def length_compliance(body, q):
-    """Return the acceleration of the length constraint (d.d - length^2) / 2, with d = p2 - p1, per unit multiplier."""
+    """Return the compliance C M^-1 C^T of the length constraint with gradient C = (-d, d), where d = p2 - p1."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     return (body.w11 + body.w22 - 2.0 * body.w12) * (dx * dx + dy * dy)
@@ -191,7 +191,7 @@ def length_compliance(body, q):
 
 @kernel
 def add_length_force(body, q, multiplier, out):
-    """Add the generalized force of the length constraint's `multiplier` to `out` (n,); return the violation [m2]."""
+    """Add the length constraint's generalized force for `multiplier` to `out` (n,); return the violation [m2]."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     out[k] += dx * multiplier

@@ -46,7 +46,7 @@ class AbsoluteCoordinates(Formulation):
         return float(position), float(velocity_drift(model, state.q, state.v, time, work))
 
     def joint_loads(self, model: Model, state: State) -> Array:
-        """Return the joint-load table, evaluated with the multipliers that satisfy the constraints at the state."""
+        """Return the joint-load table (joints, LOAD_COLUMNS), with multipliers that satisfy the constraints."""
         return _evaluate(model, state)[0].loads
 
     def stored_energies(self, model: Model, state: State) -> Array:
@@ -60,7 +60,7 @@ class AbsoluteCoordinates(Formulation):
         return float(np.abs(model.constant_force).max(initial=0.0))
 
     def momenta(self, model: Model, state: State) -> Array:
-        """Return the momenta (3,): products of the generalized momentum with the mechanism's three rigid motions."""
+        """Return the momenta (3,) [N s, N s, N m s]: generalized momentum times each rigid motion of the mechanism."""
         momentum = np.zeros_like(state.v)
         system.add_mass_products(model, state.v, momentum)
         motions = np.zeros((3, state.q.size))
@@ -70,7 +70,7 @@ class AbsoluteCoordinates(Formulation):
         return motions @ momentum
 
     def centreline(self, model: Model, q: Array, body: int, points_per_element: int) -> Array:
-        """Return the points along a body's axis, as computed by the body's kind."""
+        """Return points (..., k, 2) [m] along a body's axis, as computed by the body's kind."""
         row = model.bodies[body]
         first = int(row["offset"])
         of_body = q[..., first : first + int(row["coordinates"])]

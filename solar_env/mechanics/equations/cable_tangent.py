@@ -22,7 +22,7 @@ _INNER, _OUTER, _TURN, _LENGTH = range(4)
 
 @kernel
 def add_cable_slopes(model, cable, q, v, tangent, by_q):
-    """Subtract a cable loop's dQ/dq from the stiffness `by_q`, which already has the Hessians of the loop's torques."""
+    """Subtract a cable loop's dQ/dq from `by_q`, which must already contain the Hessian terms of the loop's torques."""
     joints, markers, elimination, loads = model.joints, model.markers, model.elimination, tangent.loads
     a, o = cable.joint_a, cable.joint_b
     index, gradient = tangent.cable_coordinates, tangent.cable_gradient
@@ -51,7 +51,7 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 
 @kernel
 def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
-    """Make the wheel-angle gradients relative to the chord, fill the chord's gradients, and correct the Hessians."""
+    """Refer wheel-angle gradients in `tangent` to the chord, add the chord's gradients, correct Hessians in `by_q`."""
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]
     places, index, gradient = tangent.b, tangent.cable_coordinates, tangent.cable_gradient

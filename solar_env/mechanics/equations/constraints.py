@@ -1,7 +1,7 @@
 """Linear constraints A(t) q = b of a mechanism: rows, drives, compliance, drift and projection.
 
 Each row of A belongs to an ideal joint or a drive. Multipliers follow from the bodies' compliances P: the dual Schur
-complement A P A^T has one row and column per constraint. Without length constraints it changes only in driven rows.
+complement A P A^T has one row and column per constraint. Without length constraints only its rows of drives vary.
 """
 
 import math
@@ -33,7 +33,7 @@ def row_product(model, work, r, x):
 
 @kernel
 def fill_column(model, work, r):
-    """Fill column `r` (inverse mass matrix times constraint row `r`), and the stretch that it causes in both bodies."""
+    """Write M^-1 times constraint row `r` to `work.columns[r]`, its stretch of both bodies to `work.stretch[r]`."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
     for side in range(2):
         b = model.constraints.bodies[r, side]
@@ -56,7 +56,7 @@ def fill_column(model, work, r):
 
 @kernel
 def fill_columns(model, work, driven):
-    """Fill the columns, and their entries of `work.free_schur`, of driven rows, which change, or of all other rows."""
+    """Compute `work.columns`, `.stretch` and `.free_schur` for the rows of drives (`driven` true) or for other rows."""
     m = work.columns.shape[0]
     for r in range(m):
         if model.constraints.driven[r] == driven:
@@ -82,7 +82,7 @@ def drive_angle(drive, time):
 
 @kernel
 def set_drive_rows(model, time, row_value):
-    """Write the constraint rows of all drives, which keep a marker's direction parallel to (cos psi, sin psi)."""
+    """Write the constraint rows of all drives to `row_value`; each keeps a marker's direction at the drive angle."""
     for k in range(model.drives.size):
         drive = model.drives[k]
         marker = model.markers[drive.marker]
@@ -106,7 +106,7 @@ def drive_motion(model, drive, time, q, v):
 
 @kernel
 def build_schur(model, q, work):
-    """Build and factor the compliance of the linear constraints; return False if they are redundant.
+    """Compute and factor the linear constraints' compliance in `work.schur`; return False if they are redundant.
 
     Each body's length constraint subtracts a rank-one matrix from the compliance without length constraints.
     """
@@ -134,7 +134,7 @@ def build_schur(model, q, work):
 
 @kernel
 def add_columns(model, work, multipliers, x):
-    """Subtract the columns times `multipliers` from `x` (n,), for bodies without a length constraint."""
+    """Subtract `work.columns` times `multipliers` from `x` (n,), in entries of bodies without a length constraint."""
     bodies, columns = model.bodies, work.columns
     for r in range(columns.shape[0]):
         for side in range(2):
@@ -147,7 +147,7 @@ def add_columns(model, work, multipliers, x):
 
 @kernel
 def subtract_response(model, q, work, multipliers, x):
-    """Subtract from `x` (n,) the accelerations due to `multipliers` of the linear constraints, with lengths kept."""
+    """Subtract from `x` (n,) the accelerations due to linear constraints' `multipliers`; bodies keep their lengths."""
     bodies, row_force, solution = model.bodies, work.row_force, work.solution
     for i in range(row_force.size):
         row_force[i] = 0.0
@@ -164,7 +164,7 @@ def subtract_response(model, q, work, multipliers, x):
 
 @kernel
 def prepare_response(model, q, time, work):
-    """Build the linear constraints' compliance at a configuration; return False if the constraints are redundant."""
+    """Compute the linear constraints' compliance in `work.schur`; return False if the constraints are redundant."""
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
     return work.schur.shape[0] == 0 or build_schur(model, q, work)
@@ -202,10 +202,9 @@ def velocity_drift(model, q, v, time, work):
 
 @kernel
 def project(model, q, v, time, work):
-    """Project positions and velocities onto all constraints by the smallest change in the mass metric.
+    """Project positions and velocities in place onto all constraints by the smallest change in the mass metric.
 
-    `work` must hold the linear constraints' compliance at a configuration nearby, from `prepare_response` or from an
-    evaluation of the accelerations.
+    `work` must hold the linear constraints' compliance near `q`, from `prepare_response` or from `accelerations`.
     """
     project_bodies(model.bodies, q, v)
     if work.residual.size > 0:
@@ -214,7 +213,7 @@ def project(model, q, v, time, work):
 
 @kernel
 def project_linear(model, q, v, time, work):
-    """Project positions and velocities onto the linear constraints, as part of `project`."""
+    """Project positions and velocities in place onto the linear constraints, as part of `project`."""
     residual = work.residual
     constraint_drift(model, q, time, work)
     # The velocity correction uses the same compliance, because the position correction is tiny.

@@ -30,7 +30,7 @@ class Formulation(ABC):
 
     Runs, batches, recordings, environments and pictures read only the arrays that all formulations share. These are
     `joints` and `length_scale` of a model, and `q`, `v`, `integrals`, `joints`, `wear_journal`, `wear_bearing` and
-    `clock` of a state. Everything else comes from the methods of a formulation.
+    `clock` of a state. Everything else comes from the Python methods of a formulation.
 
     Attributes:
         view_joint: kernel (model, state, joint index) -> `JointView`.
@@ -43,12 +43,12 @@ class Formulation(ABC):
         """Compile a mechanism into its model and its initial state.
 
         Raises:
-            ValueError: if the mechanism has a part that the formulation does not take.
+            ValueError: if the mechanism has a part that the formulation cannot model.
         """
 
     @abstractmethod
     def begin(self, model: ModelArrays, state: StateArrays) -> None:
-        """Fill the arrays of a state other than positions and velocities, before a run."""
+        """Compute, before a run, the state's arrays that follow from its positions and velocities, in place."""
 
     @abstractmethod
     def drift(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
@@ -72,11 +72,11 @@ class Formulation(ABC):
 
     @abstractmethod
     def centreline(self, model: ModelArrays, q: Array, body: int, points_per_element: int) -> Array:
-        """Return the points along the axis of a body, see `analysis.geometry.centreline`."""
+        """Return points (..., k, 2) [m] along the axis of a body, see `analysis.geometry.centreline`."""
 
     @abstractmethod
     def modal_range(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Return maxima so far over all modal panels: end slope [rad], ratio of spin to lowest angular frequency."""
+        """Return maxima over all modal panels so far: end slope [rad], spin divided by lowest angular frequency."""
 
     @abstractmethod
     def constraint_force_defect(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Records of joints and cable loops in a compiled mechanism: angle, spring, stop, bearing, and the loop's chord."""
+"""Functions that write the records of joints, bearings and cable loops (`arrays/model.py`) from their descriptions."""
 
 import math
 
@@ -11,7 +11,7 @@ from solar_env.mechanics.mechanism.description import Bearing, CableLoop, Flexib
 
 
 def fill_joint(record: np.void, joint: Joint) -> None:
-    """Fill a joint's record (`model.joint_type`): angle, springs, harness, damper, friction, stop and hold-down."""
+    """Write angles, springs, harness, damper, friction, stops and hold-down to a joint's `model.joint_type` record."""
     turn = joint.folded_angle + joint.sign * joint.middle
     record["sign"] = joint.sign
     record["middle"] = joint.middle
@@ -41,7 +41,7 @@ def fill_joint(record: np.void, joint: Joint) -> None:
 
 
 def fill_bearing(record: np.void, bearing: Bearing) -> None:
-    """Fill a clearance joint's record (`model.joint_type`): bearing, contact law and friction law."""
+    """Write a clearance joint's bearing, contact law and friction law to its record (`model.joint_type`)."""
     for name in ("clearance", "journal_radius", "minimum_impact_speed", "friction_coefficient", "wear_coefficient"):
         record[name] = getattr(bearing, name)
     record["contact"] = bearing.contact.parameters()
@@ -51,10 +51,10 @@ def fill_bearing(record: np.void, bearing: Bearing) -> None:
 
 
 def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: NDArray[np.void]) -> None:
-    """Fill a cable loop's record (`model.cable_type`); the joints' records must already have their markers.
+    """Write a cable loop's parameters to its record (`model.cable_type`); the joints' records must have their markers.
 
     Raises:
-        ValueError: if the loop needs a chord but has no chord, or if its wheels do not fit between the joints.
+        ValueError: if the joints do not allow the chord that the loop needs, or if its wheels do not fit between them.
     """
     places = {joint.name: k for k, joint in enumerate(mechanism.joints)}
     a, b = (record["joint_a"], record["joint_b"]) = places[cable.joint_a], places[cable.joint_b]
@@ -76,7 +76,7 @@ def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: 
 
 
 def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
-    """Enter a chord's end markers: on the body between the joints, or at wheel centres if the loop pulls on them."""
+    """Write a cable chord's end markers to `record`: on the middle body, or at the wheels if the loop pulls on them."""
     ends = ("inboard", "outboard") if record["wheel_radius"] > 0.0 else ("outboard", "inboard")
     record["first"], record["last"] = joints[record["joint_a"]][ends[0]], joints[record["joint_b"]][ends[1]]
 
@@ -84,8 +84,7 @@ def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
 def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:
     """Return 1 if the axis of the body between a cable loop's joints runs from joint a to joint b, -1 if from b to a.
 
-    Return 0 if the wheels need no chord: on a rigid body, which turns with its chord, unless the loop pulls on the
-    bearings.
+    Return 0 if the loop needs no chord: the body is rigid, and the loop does not pull on the bearings.
 
     Raises:
         ValueError: if a chord is needed and the joints are not at two points of the body's axis.

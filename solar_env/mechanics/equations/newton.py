@@ -1,7 +1,7 @@
 """Matrix of Newton's equations, [[a M + b C + c K, Phi_q^T], [Phi_q, 0]], assembled from its parts.
 
 Mass M, damping C and stiffness K share one profile (`profile.py`), so that a weighted sum takes one pass over their
-entries. A change of step size therefore needs no new tangents.
+entries. A change of step size changes only the weights a, b and c, and needs no new tangents.
 """
 
 from typing import NamedTuple
@@ -19,14 +19,14 @@ class NewtonMatrices(NamedTuple):
     """Mass, stiffness and damping parts of Newton's matrix, and the matrix itself or its factors."""
 
     mass: ProfileMatrix  # constant
-    stiffness: ProfileMatrix  # minus the slope of the applied forces by coordinates
-    damping: ProfileMatrix  # minus the slope of the applied forces by velocities
+    stiffness: ProfileMatrix  # negative derivative of the applied forces by coordinates
+    damping: ProfileMatrix  # negative derivative of the applied forces by velocities
     matrix: ProfileMatrix
     tangent: TangentScratch
 
 
 def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
-    """Allocate Newton's matrix and its parts, and fill the mass part."""
+    """Allocate Newton's matrix and its parts, and compute the mass part."""
     mass = make_profile_matrix(model.elimination)
     fill_mass(model, mass)
     return NewtonMatrices(
@@ -62,7 +62,7 @@ def _weighted_sum(mass, damping, stiffness, weights, out):
 
 @kernel(inlined=False)
 def assemble(model, q, multipliers, row_value, newton, weights):
-    """Assemble `newton.matrix` for weights of (mass, damping, stiffness); length multipliers add to the stiffness."""
+    """Assemble `newton.matrix` by `weights` of mass, damping, stiffness; length multipliers add to the stiffness."""
     elimination, constraints, matrix = model.elimination, model.constraints, newton.matrix
     mass, damping, stiffness = newton.mass, newton.damping, newton.stiffness
     _weighted_sum(mass.diagonal, damping.diagonal, stiffness.diagonal, weights, matrix.diagonal)

@@ -36,7 +36,7 @@ class Workspace(NamedTuple):
     row_value: NDArray[np.float64]  # (rows, ROW_ENTRIES) linear constraint rows at the present time
     columns: NDArray[np.float64]  # (rows, n) inverse mass matrix times constraint rows
     free_schur: NDArray[np.float64]  # (rows, rows) constraint rows times columns
-    stretch: NDArray[np.float64]  # (rows, 2, 2) stretch that a row's column causes in the row's two bodies
+    stretch: NDArray[np.float64]  # (rows, 2, 2) stretch of a row's two bodies by the row's column
     pull: NDArray[np.float64]  # (rows, 2) component of the stretch along the body, at the present configuration
     schur: NDArray[np.float64]  # (rows, rows) compliance of the rows, factored
     residual: NDArray[np.float64]  # (rows,)
@@ -46,7 +46,7 @@ class Workspace(NamedTuple):
 
 
 def make_workspace(model: Model, state: State) -> Workspace:
-    """Allocate the work arrays for a model, and fill the columns of constant constraint rows."""
+    """Allocate the work arrays for a model, and compute the columns (M^-1 times row) of constant constraint rows."""
     n, rows, joints = state.q.size, model.constraints.size.size, model.joints.size
     work = Workspace(
         force=np.zeros(n),
@@ -70,7 +70,7 @@ def make_workspace(model: Model, state: State) -> Workspace:
 
 @kernel
 def apply_linear_constraints(model, q, v, time, work, a, multipliers):
-    """Correct the accelerations `a` for the linear constraints; return False if the constraints are redundant."""
+    """Correct `a` for the linear constraints, and compute `multipliers`; return False if constraints are redundant."""
     bodies, force = model.bodies, work.force
     rows = work.schur.shape[0]
     if model.drives.size > 0:
@@ -96,7 +96,7 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
 
 @kernel
 def acceleration_response(model, q, work, force, a):
-    """Write to `a` (n,) the accelerations due to an additional generalized `force` (n,), with all constraints kept."""
+    """Write the accelerations due to an additional generalized `force` (n,) under all constraints to `a` (n,)."""
     rows = work.schur.shape[0]
     for b in range(model.bodies.size):
         dispatch.solve_body(model.bodies[b], model.body_constants, q, q, force, a, 0.0)
@@ -110,7 +110,7 @@ def acceleration_response(model, q, work, force, a):
 
 @kernel
 def applied_forces(model, joint_states, q, v, work):
-    """Fill `work.force` with the generalized forces except constraint forces; fill `work.loads` and `work.power`."""
+    """Compute generalized forces without constraint forces, joint loads, powers: `work.force`, `.loads`, `.power`."""
     force, power, loads = work.force, work.power, model.loads
     copy_into(force, model.constant_force)
     external = 0.0
@@ -141,7 +141,7 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 @kernel(inlined=False)
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """Compute accelerations like `inlined_accelerations`, without being inlined, which would take long to compile."""
+    """Call `inlined_accelerations`, compiled only once: compiling it anew inside every caller would take long."""
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
@@ -175,7 +175,7 @@ def add_mass_products(model, a, out):
 
 @kernel(inlined=False)
 def stored_energies(model, joint_states, q, v, loads, energies):
-    """Fill `energies` (ENERGIES,) with the stored energies [J] at a configuration whose `loads` are current."""
+    """Write the stored energies [J] at `q`, `v` to `energies` (ENERGIES,); `loads` must belong to the same `q`, `v`."""
     energies[:] = 0.0
     for body in model.bodies:
         energies[m.KINETIC] += dispatch.kinetic_energy(body, model.body_constants, v)

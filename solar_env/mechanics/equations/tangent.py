@@ -66,7 +66,10 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
 
 @kernel
 def local_map(joint, markers, q, v, index, b, rate_slope):
-    """Fill a joint's 8 coordinate indices, and B = dx/dq (4, 8) and dx'/dq (4, 8) for its local coordinates x."""
+    """Compute dx/dq in `b` and dx'/dq in `rate_slope`, both (4, 8), for a joint's local coordinates x.
+
+    x: eccentricity x and y, outboard and inboard angle. `index` (8,) gets the indices of the joint's coordinates in q.
+    """
     b[:] = 0.0
     rate_slope[:] = 0.0
     fill_slopes(markers[joint.outboard], q, v, 0, index, b, rate_slope)
@@ -80,9 +83,9 @@ def local_map(joint, markers, q, v, index, b, rate_slope):
 
 @kernel
 def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_speed, stiffness, damping):
-    """Add contact derivatives of (force x, force y, outboard torque, inboard torque) by local coordinates and rates.
+    """Add derivatives of contact loads by local coordinates to `stiffness`, and by their rates to `damping` (4, 4).
 
-    Return the tangential force [N] and its lever [m].
+    Rows: force x, force y, outboard torque, inboard torque. Return the tangential force [N] and its lever [m].
     """
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
@@ -132,7 +135,7 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
 
 @kernel(inlined=False)
 def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
-    """Fill the profile matrices `by_q` with the stiffness -dQ/dq and `by_v` with the damping -dQ/dv.
+    """Compute the stiffness -dQ/dq and damping -dQ/dv of generalized forces Q in profile matrices `by_q` and `by_v`.
 
     `tangent.loads` and `tangent.impact_speeds` must be current; the other arrays of `tangent` are work arrays.
     """

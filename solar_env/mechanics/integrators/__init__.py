@@ -2,5 +2,5 @@
 
 `settings` defines the integrators that a user chooses from, in plain Python. `formulations` is the table of
 formulations. `run` advances mechanisms step by step, and `events` locates events inside a step. The package imports
-`modal`, which provides one of the methods, `records` and `equations`.
+`records`, `equations` and `modal`, which provides one of the methods.
 """

@@ -1,4 +1,4 @@
-"""Events inside a step: contact starts, latchings and stop engagements, located on the method's motion in the step."""
+"""Events inside a step: contact starts, latchings and stop engagements, located on the step's interpolated motion."""
 
 import numpy as np
 
@@ -27,7 +27,10 @@ _MOST_CUTS = 20
 
 @kernel
 def event_function(model, state, settings, arrays, j, kind, h, share):
-    """Return the value that rises through zero at joint `j`'s event: depth [m], or angle past lock or stop [rad]."""
+    """Return the value that rises through zero at event `kind` of joint `j`, at fraction `share` of a step `h` [s].
+
+    It is a penetration depth [m], or the angle by which the joint is past its lock angle or in a stop [rad].
+    """
     if kind == CONTACT_START:
         return depth_of(settings)(model, state, arrays, j, h, share)
     angle = angle_of(settings)(model, state, arrays, j, h, share)
@@ -39,7 +42,10 @@ def event_function(model, state, settings, arrays, j, kind, h, share):
 
 @kernel
 def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high):
-    """Find by Illinois iteration the fraction of a step at which the event function has just risen through zero."""
+    """Return the fraction of a step at which the event function has just risen through zero, by Illinois iteration.
+
+    The root lies between the fractions `low` and `high`, where the function has the values `f_low` and `f_high`.
+    """
     for _ in range(60):
         if high - low < 1e-12 or f_high == 0.0:
             break
@@ -76,7 +82,7 @@ def first_rise(model, state, settings, arrays, j, kind, h):
 
 @kernel
 def first_event(model, state, settings, arrays, h):
-    """Return the first contact start, latching or stop engagement in a step `h` [s], as (fraction, joint, kind)."""
+    """Return the first contact start, latching or stop engagement in a step `h` [s]: (fraction, joint, event kind)."""
     share, which, what = 1.0, np.int64(-1), NO_EVENT
     for j in range(model.joints.size):
         joint, joint_state, number = model.joints[j], state.joints[j], np.int64(j)
@@ -107,9 +113,9 @@ def is_passed(model, state, settings, arrays, j, kind, h, sign):
 def place_of_event(model, state, settings, arrays, h, joint, kind):
     """Find where the step `h` [s] must end; return (fraction of the step, joint, event kind, whether to solve again).
 
-    A step that was shortened to the event `kind` of `joint` has a slightly different motion, and a long step's
-    interpolant misses vibrations. All joints are therefore checked again after every cut. The fraction is 1 if the step
-    ends unchanged; fraction * h is at most SMALLEST_PART [s] if the event is at the step's start.
+    A step that was shortened to the event `kind` of `joint` moves slightly differently, and a long step's interpolant
+    misses vibrations. All joints are therefore checked again after every cut. The fraction is 1 if the step ends
+    unchanged; fraction * h is at most SMALLEST_PART [s] if the event is at the step's start.
     """
     cuts = arrays.trial[0].cuts
     share, other, found = first_event(model, state, settings, arrays, h)
@@ -147,7 +153,7 @@ def begin_event(model, state, settings, arrays, j, kind, time, speed):
 
 @kernel
 def begin_passed_events(model, state, settings, arrays, start, h):
-    """Begin the events that an accepted step has passed, at interpolated times, if steps do not end at events."""
+    """Begin the events that an accepted step `h` [s] from `start` [s] has passed, at interpolated times."""
     for j in range(model.joints.size):
         joint, motion = model.joints[j], arrays.motion[j]
         if joint.kind == CLEARANCE and not state.joints[j].in_contact and motion.depth > 0.0:

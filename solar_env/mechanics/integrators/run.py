@@ -83,7 +83,7 @@ def begin_call(model, state, settings, recorder, arrays):
 
 @kernel
 def choose_step(model, state, settings, arrays, end_time):
-    """Fill the trial with the longest step that accuracy, impacts, the method and the end of the call allow."""
+    """Choose the longest step that accuracy, impacts, settings and `end_time` [s] allow; store it in `arrays.trial`."""
     clock, trial = state.clock[0], arrays.trial[0]
     remaining = end_time - clock.time
     trial.retry, trial.reason, trial.joint = 0.0, m.DONE, -1
@@ -95,7 +95,7 @@ def choose_step(model, state, settings, arrays, end_time):
 
 @kernel
 def reject(model, state, settings, arrays, h, error):
-    """Choose a shorter next step after a rejected step of size `h` [s]; return a status code."""
+    """Store a shorter next step in `state.clock` after a rejected step `h` [s] with `error`; return a status code."""
     clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
     clock.rejected_steps += 1
     if trial.retry == 0.0:
@@ -114,7 +114,7 @@ def reject(model, state, settings, arrays, h, error):
 
 @kernel
 def choose_next(model, state, settings, arrays):
-    """Set the size of the next step, from the error of the accepted step."""
+    """Store the next step's size, computed from the error of the accepted step, in `state.clock`."""
     clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
     error = max(trial.error, control.memory * clock.last_error)
     grow = growth(control, error, clock.last_error)
@@ -150,7 +150,7 @@ def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
 
 @kernel
 def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
-    """Accept the fraction `share` of a step `h` [s], and begin the event there; False if constraints are singular."""
+    """Accept `share` of a step `h` [s], and begin event `kind` of `joint` there; False if constraints are singular."""
     clock, start = state.clock[0], state.clock[0].time
     end = start + share * h
     complete_of(settings)(model, state, settings, arrays, h)
@@ -244,7 +244,7 @@ def take_step(model, state, settings, recorder, end_time, arrays):
 def advance(model, state, settings, recorder, end_time, steps_left, arrays):
     """Advance `state` in place to `end_time` [s]; return a status code, and the number of allowed steps left.
 
-    A call that stops at the step limit does not shorten its last step: the next call continues with the same bits.
+    A call that stops at the step limit does not shorten its last step: continuing the run gives bit-identical results.
     """
     clock = state.clock[0]
     status = begin_call(model, state, settings, recorder, arrays)
@@ -266,15 +266,15 @@ def advance_lanes(models, states, settings, recorder, arrays, queue, counter, st
     """Advance the lanes of a batch (one mechanism each) from a queue that several threads share.
 
     Args:
-        models, states: handles of the arrays of all lanes (`lanes.py`).
-        settings: the method's settings in the kernels' types; their type selects the method.
+        models, states: handles (addresses) through which compiled code reaches the arrays of all lanes (`lanes.py`).
+        settings: the integration method's settings in the kernels' types; their type selects the method.
         recorder: records samples and contacts of every lane.
         arrays: handle of the thread's work arrays.
         queue: (k,) indices of the lanes to advance, in this order.
         counter: (1,) number of queue entries that threads have taken so far.
         steps_left: (lanes,) number of steps that each lane may still try, rejected steps included; updated.
         statuses: (lanes,) status codes; written.
-        end_times: (lanes,) times [s] at which the lanes end the call.
+        end_times: (lanes,) times [s] up to which the lanes are advanced.
     """
     while True:
         ticket = take_ticket(counter)

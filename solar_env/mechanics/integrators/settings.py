@@ -22,17 +22,18 @@ class RungeKutta:
     """Settings of the adaptive explicit Runge-Kutta method (`methods/runge_kutta.py`).
 
     Attributes:
-        rtol: tolerance of a step's local error: of velocities relative to velocity_scale + |velocity|, of positions
-            relative to the longest body.
+        rtol: relative tolerance of a step's local error: for velocities relative to velocity_scale + |velocity|, for
+            positions relative to the longest body.
         velocity_scale: velocity that is added to |velocity| in the tolerance [m/s].
         max_step: longest step [s].
         impact_resolution: least number of steps per predicted duration of an impact, `fewest_steps` or more.
         max_steps: most steps of one call, rejected ones included; the default takes about a minute with rigid panels.
-
-    Every method has further attributes: `name`; whether it `takes_drives`; whether its multipliers only settle to
-    the constraint forces after a change of step (`settles_forces`); `steps_needed_per_impact`, None if its steps
-    adapt to impacts; `loosest_in_contact`, the rtol up to which single contacts can be trusted; and `remedy`, the
-    advice that makes its energy balance close better.
+        name: name of the integration method. Every method has this and the following class attributes.
+        takes_drives: whether mechanisms may have drives.
+        settles_forces: whether multipliers approach the constraint forces only some steps after a change of step size.
+        steps_needed_per_impact: number of fixed steps that an impact needs; None if the steps adapt to impacts.
+        loosest_in_contact: rtol up to which the forces of single contacts can be trusted.
+        remedy: advice that makes the energy balance close better.
     """
 
     rtol: float = 1e-6
@@ -71,11 +72,11 @@ class RungeKutta:
 
 @dataclass(frozen=True)
 class Rosenbrock(RungeKutta):
-    """Settings of `RungeKutta` with linearly implicit steps where they save time (`methods/rosenbrock.py`).
+    """Settings of explicit Runge-Kutta with linearly implicit steps where they save time (`methods/rosenbrock.py`).
 
     Stiff vibrations of flexible bodies do not bound linearly implicit steps. In impacts, and wherever accuracy needs
-    short steps anyway, steps remain explicit. With flexible bodies the explicit steps' velocity scale shrinks while the
-    whole mechanism is slow, because impacts amplify earlier errors. Mechanisms with drives are refused.
+    short steps anyway, steps remain explicit. With flexible bodies the explicit steps' velocity scale shrinks while all
+    bodies are slow, because impacts amplify earlier errors. Mechanisms with drives are refused.
     """
 
     rtol: float = 1e-4
@@ -86,11 +87,11 @@ class Rosenbrock(RungeKutta):
 
 @dataclass(frozen=True)
 class ModalRadau(RungeKutta):
-    """Settings of the three-stage Radau IIA method in the joint loads (`modal`), for rigid bodies and modal panels.
+    """Settings of three-stage Radau IIA for rigid bodies and modal panels; its unknowns are the joint loads (`modal`).
 
     Errors of contact depths are relative to the depths. If every joint has clearance, velocity errors are relative to
-    the fastest hinge rate times the longest body, within bounds of a hundredth of velocity_scale and velocity_scale.
-    Mechanisms with drives or loads are refused.
+    the fastest hinge rate times the longest body's length, but at least to velocity_scale / 100 and at most to
+    velocity_scale. Mechanisms with drives or loads are refused.
     """
 
     rtol: float = 4e-3
@@ -111,7 +112,8 @@ class GeneralizedAlpha:
 
     Attributes:
         step: longest step [s]; a call is divided into equal steps.
-        rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives beta = 1/4, gamma = 1/2, the paper's scheme.
+        rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives the paper's trapezoidal scheme, beta = 1/4,
+            gamma = 1/2.
         newton_tolerance: tolerance of a Newton correction, relative to the length scale.
         max_steps: most steps of one call; the default takes about a minute with rigid panels.
     """

@@ -1,17 +1,17 @@
-"""Closed cable loops: belts over the wheels of two joints, along the body between the joints (paper, Eqs 2-4).
+"""Closed cable loops: belts over the wheels of two joints, along the body between (Li et al. 2019, Eqs 2-4).
 
 The inner wheel is fixed to the body inboard of the inner joint, the outer wheel to the body outboard of the outer
-joint. The body between the joints is the carrier. The strands run from hinge to hinge along the carrier's chord, from
-which the wheels' angles count. On a rigid carrier, a wheel's angle is the joint's angle. On a carrier that bends, the
-loop's generalized forces are the gradients of the wheels' angles: the loop pulls at the hinges, across the chord, and
-not at the slopes of the carrier's ends.
+joint. The body between the joints is the carrier. The strands run from hinge to hinge along the carrier's chord, and
+the wheels' angles are measured relative to this chord. On a rigid carrier, a wheel's angle is the joint's angle. On a
+carrier that bends, the loop's generalized forces are the gradients of the wheels' angles: the loop pulls at the hinges,
+across the chord, and exerts no torque on the carrier's ends.
 
-A loop that pulls on the bearings (Eq 3) runs between the wheels' centres, which are the hinges up to the clearances.
-Two strands touch wheels of radii r1 and r2 at a distance d. As d grows, each strand lengthens with sqrt(d^2 - (r1 -
-r2)^2) + (r1 - r2) asin((r1 - r2) / d), whose slope by d is cos phi with sin phi = (r1 - r2) / d. Tensions F1 and F2
-exert torques (F1 - F2) r1 and (F1 - F2) r2 on the wheels. On the wheels' centres they exert (F1 + F2) cos phi along the
-line of centres and (F1 - F2) sin phi across it, so that the forces have a potential; the paper prints (F1 + F2) sin
-phi. Where both joints' angles grow in the same sense, the strands cross and r1 + r2 replaces r1 - r2.
+A loop that pulls on the bearings (Eq 3) runs between the wheels' centres, which differ from the hinges by the
+clearances. The wheels' radii are r1 and r2, the distance of their centres is d. As d grows, each strand lengthens with
+sqrt(d^2 - (r1 - r2)^2) + (r1 - r2) asin((r1 - r2) / d), whose slope by d is cos phi with sin phi = (r1 - r2) / d.
+Tensions F1 and F2 exert torques (F1 - F2) r1 and (F1 - F2) r2 on the wheels. On the wheels' centres they exert (F1 +
+F2) cos phi along the line of centres and (F1 - F2) sin phi across it, so that the forces have a potential; Li et al.
+print (F1 + F2) sin phi. Where both joints' angles grow in the same sense, the strands cross: r1 + r2 replaces r1 - r2.
 """
 
 import math
@@ -23,10 +23,10 @@ from solar_env.mechanics.numerics.vectors import where_less
 
 @kernel
 def cable_torque(cable, stretch):
-    """Return a cable loop's torque on its outer joint [N m], the torque's slope, and the stored energy [J].
+    """Return a cable loop's torque on its outer joint [N m], its slope by `stretch` [N m/rad], and its energy [J].
 
     `stretch` is the mismatch of the wheels' angles [rad], a number or a vector. The two strands are equally stiff.
-    Beyond twice the preload's torque one is slack and the other acts alone (no tension is negative: paper, Eqs 2-4).
+    Beyond twice the preload's torque one strand is slack and the other acts alone: no tension is negative.
     """
     taut_limit = 2.0 * cable.preload_torque / cable.stiffness if cable.stiffness > 0.0 else math.inf
     magnitude = abs(stretch)
@@ -39,7 +39,7 @@ def cable_torque(cable, stretch):
 
 @kernel
 def strand(cable, elongation):
-    """Return a strand's tension [N], stiffness [N/m] and energy above its preloaded state [J] at an elongation [m]."""
+    """Return a strand's tension [N], stiffness [N/m], energy [J]; elongation [m] and energy are zero at the preload."""
     stiffness = 0.5 * cable.stiffness / (cable.wheel_radius * cable.wheel_radius)
     preload = cable.preload_torque / cable.wheel_radius
     tension = preload + stiffness * elongation
@@ -50,13 +50,13 @@ def strand(cable, elongation):
 
 @kernel
 def strand_length(offset, distance):
-    """Return a strand's length [m] up to a constant; `offset` is the difference, or sum, of the wheels' radii [m]."""
+    """Return a strand's length [m] up to a constant; `offset`: difference (or sum, if crossed) of the wheels' radii."""
     return math.sqrt(distance * distance - offset * offset) + offset * math.asin(offset / distance)
 
 
 @kernel
 def belt_loads(cable, stretch, distance):
-    """Return a cable loop's torque on the outer wheel, pull on the wheels' centres and energy, with slopes.
+    """Return a cable loop's torque on the outer wheel, pull on the wheels' centres, stored energy, and three slopes.
 
     Args:
         cable: record of the loop (`model.cable_type`).
@@ -64,8 +64,8 @@ def belt_loads(cable, stretch, distance):
         distance: distance between the wheels' centres [m]; ignored where the loop does not pull.
 
     Returns:
-        Torque [N m], pull [N], energy [J]; slopes of the torque by the mismatch, of the torque by the distance (equal
-            to the pull's by the mismatch), of the pull by the distance.
+        Torque [N m], pull [N], energy [J]; slope of the torque by `stretch`; slope of the torque by `distance`, equal
+            to the pull's slope by `stretch`; slope of the pull by `distance`.
     """
     if cable.wheel_radius == 0.0:
         torque, slope, energy = cable_torque(cable, stretch)
@@ -84,7 +84,7 @@ def belt_loads(cable, stretch, distance):
 
 @kernel
 def chord(cable, markers, q):
-    """Return the chord vector [m] of a cable loop, along which the belt runs from the inner to the outer joint."""
+    """Return the vector (x, y) [m] of a cable loop's chord, the line from the inner joint to the outer joint."""
     ax, ay = place(markers[cable.first], q)
     bx, by = place(markers[cable.last], q)
     return bx - ax, by - ay
@@ -92,7 +92,7 @@ def chord(cable, markers, q):
 
 @kernel
 def wheel_motion(cable, joints, markers, q, inner, outer):
-    """Return the mismatch [rad] of the wheels' angles from the chord, and the chord's length [m], by joint angles."""
+    """Return a cable loop's mismatch of wheel angles [rad] and chord length [m], given its joint angles [rad]."""
     length = 0.0
     if cable.chord_sense != 0:
         a, b = joints[cable.joint_a], joints[cable.joint_b]
@@ -106,7 +106,7 @@ def wheel_motion(cable, joints, markers, q, inner, outer):
 
 @kernel
 def inner_wheel_rate(cable, joints, markers, q, v, rate):
-    """Return the rate [rad/s] of the inner wheel's angle from the chord, given the `rate` of the inner joint."""
+    """Return the rate [rad/s] of the inner wheel's angle relative to the chord; `rate` is the inner joint's [rad/s]."""
     if cable.chord_sense != 0:
         a = joints[cable.joint_a]
         x, y = chord(cable, markers, q)
@@ -119,13 +119,16 @@ def inner_wheel_rate(cable, joints, markers, q, v, rate):
 
 @kernel
 def end_torques(cable, joints, torque):
-    """Return the torques [N m] of inner and outer wheel on the carrier, given the loop's torque on its outer joint."""
+    """Return a cable loop's torques (inner, outer) [N m] on the body between its joints; `torque`: on outer joint."""
     return -cable.torque_ratio * torque * joints[cable.joint_a].sign, -torque * joints[cable.joint_b].sign
 
 
 @kernel
 def chord_force(cable, markers, q, moment, pull):
-    """Return the force [N] at a chord's last end for a moment [N m] and a pull [N]; it is opposite at the first end."""
+    """Return the force (x, y) [N] on the last end of a cable loop's chord; the opposite force acts on its first end.
+
+    The two forces exert `moment` [N m] on the chord and pull its ends together with `pull` [N].
+    """
     x, y = chord(cable, markers, q)
     square = x * x + y * y
     along = pull / math.sqrt(square)
@@ -134,9 +137,10 @@ def chord_force(cable, markers, q, moment, pull):
 
 @kernel
 def move_to_chord(cable, joints, markers, q, torque, pull, force):
-    """Replace a cable loop's torques on its carrier, within the generalized `force`, by forces at the chord's ends.
+    """Replace a cable loop's torques on its carrier by forces at the ends of its chord, in the generalized `force`.
 
-    `torque` acts on the loop's outer joint [N m], `pull` on the wheels' centres [N]. The loop must have a chord.
+    The carrier is the body between the loop's joints. `torque` acts on the outer joint [N m], `pull` on the wheels'
+    centres [N]. The loop must have a chord.
     """
     inner, outer = end_torques(cable, joints, torque)
     add_torque(markers[joints[cable.joint_a].outboard], q, -inner, force)

@@ -16,7 +16,7 @@ class ContactMotion(NamedTuple):
     """Line of centres of a contact, and the velocities along and across this line.
 
     Attributes:
-        depth: penetration depth [m].
+        depth: penetration depth [m], negative for a gap.
         normal_x, normal_y: unit vector from bearing centre to journal centre; (-normal_y, normal_x) points across it.
         radius: distance between the centres [m].
         lever: distance from the bearing's centre to the contact point [m].
@@ -39,7 +39,7 @@ class ContactMotion(NamedTuple):
 
 @kernel
 def sliding_share(joint, depth):
-    """Return sliding speed divided by slip for "material" sliding, else sliding speed divided by the centres' speed."""
+    """Return the ratio of sliding speed to relative speed: depth / (clearance + depth) for "places", else 1."""
     if joint.sliding == PLACES:
         return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
     return 1.0 + 0.0 * depth
@@ -49,7 +49,8 @@ def sliding_share(joint, depth):
 def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
     """Return the `ContactMotion` of a journal at (ex, ey) [m] with velocity (ux, uy) [m/s] relative to its bearing.
 
-    Arguments are numbers, or vectors with several configurations.
+    `outboard_spin` and `inboard_spin` are the angular velocities [rad/s] of the bodies with the journal and the
+    bearing. Arguments are numbers, or vectors with several configurations.
     """
     radius = square_roots(ex * ex + ey * ey)
     # A centred journal has no line of centres, and no contact either.
@@ -75,8 +76,9 @@ def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
 def normal_force(joint, depth, rate, impact_speed):
     """Return the compressive normal force [N], its elastic part [N], and its slopes by depth [N/m] and rate [N s/m].
 
-    The force follows `PowerLaw` and is zero where the depth is not positive. `impact_speed` is the speed at which the
-    contact began [m/s]. Arguments are numbers, or vectors with several configurations.
+    The force is K depth^n (1 + d rate / v) (`PowerLaw`), not below zero, and zero where the depth is not positive.
+    `impact_speed` is v, the speed at which the contact began [m/s]. Arguments are numbers, or vectors with several
+    configurations.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     inside = where_less(0.0, depth, depth, 0.0)
@@ -90,8 +92,8 @@ def normal_force(joint, depth, rate, impact_speed):
 def depth_under(joint, load, rate, impact_speed, give):
     """Return the depth [m] at which a contact carries a `load` [N], and the force's slopes there by depth and rate.
 
-    All three are zero where the contact parts, carries no load, or is no stiffer than its bodies, which yield by `give`
-    [m/N]. Arguments are vectors.
+    All three are zero where the contact parts, carries no load, or is no stiffer than its bodies, whose compliance is
+    `give` [m/N]. `rate` is the rate of the depth [m/s]. `load`, `rate` and `give` are vectors.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     bracket = 1.0 + damping * rate
@@ -111,7 +113,7 @@ def contact_energy(joint, depth):
 
 @kernel(inlined=False)
 def impact_scales(joint, inverse_mass, impact_speed):
-    """Return the greatest depth [m] and duration [s] of an undamped impact at an inverse effective mass [1/kg]."""
+    """Return the greatest depth [m] and duration [s] of an undamped impact, given its inverse effective mass [1/kg]."""
     return _power_scales(joint.contact, inverse_mass, impact_speed)
 
 
@@ -119,8 +121,8 @@ def impact_scales(joint, inverse_mass, impact_speed):
 def friction_share(joint, sliding_speed):
     """Return the signed ratio of friction to Coulomb friction at a sliding speed [m/s], and the ratio's slope [s/m].
 
-    The ratio rises linearly from 0 to 1 between two speeds (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process.
-    117 (2019) 188, Eqs 41-42). Arguments are numbers, or vectors with several configurations.
+    The ratio rises linearly from 0 to 1 between the joint's two friction speeds (Y. Li, C. Wang and W. Huang, Mech.
+    Syst. Signal Process. 117 (2019) 188, Eqs 41-42). Arguments are numbers, or vectors with several configurations.
     """
     zero = joint.friction_speed_zero
     steepness = 1.0 / (joint.friction_speed_full - zero)

@@ -1,8 +1,8 @@
 """Forces in a joint: the torques about its angle (`torques`), and the contact in its bearing.
 
 Every joint connects an outboard marker (the journal) to an inboard marker (the bearing). A torque's generalized force
-is the gradient of the direction angle, so that the torque does no work on a body's stretch. A contact force acts at the
-same point on both bodies, so that linear and angular momentum are conserved exactly.
+is the gradient of the marker's direction angle, so that the torque does no work on a body's stretch. A contact force
+acts at the same point on both bodies, so that linear and angular momentum are conserved exactly.
 """
 
 import math
@@ -36,7 +36,7 @@ from solar_env.mechanics.numerics.jit import kernel
 
 @kernel
 def relative(joint, markers, q):
-    """Return journal centre minus bearing centre: a vector [m] from coordinates, or its rate [m/s] from velocities."""
+    """Return journal centre minus bearing centre (x, y) [m], or its rate [m/s] if `q` holds velocities."""
     ox, oy = place(markers[joint.outboard], q)
     ix, iy = place(markers[joint.inboard], q)
     return ox - ix, oy - iy
@@ -73,7 +73,7 @@ def joint_motion(joint, markers, q, v):
 def joint_torques(model, joint_states, q, v, loads, force, power):
     """Write every joint's angle, rate, spins and torques to `loads`, and the torques' powers to `power`.
 
-    Correct the generalized `force` for cable loops that act on a chord (`move_to_chord`).
+    Add to the generalized `force` only the corrections by cable loops that act on a chord (`move_to_chord`).
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):
@@ -102,9 +102,10 @@ def joint_torques(model, joint_states, q, v, loads, force, power):
 
 @kernel
 def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
-    """Evaluate every joint: fill `loads` and `power`, and add the generalized forces to `force`.
+    """Write the motion, forces and torques of all joints to `loads`, and their powers to `power`.
 
-    Where a joint's impact speed is zero, the journal flies freely and no contact force acts in this step.
+    Add the generalized forces to `force`. Where a joint's impact speed is zero, the journal flies freely and no contact
+    force acts in this step.
     """
     joint_torques(model, joint_states, q, v, loads, force, power)
     joints, markers = model.joints, model.markers

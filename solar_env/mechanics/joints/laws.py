@@ -55,10 +55,10 @@ class PowerLaw:
         require(1.0 <= self.exponent <= 2.0, self, "exponent", self.exponent, "must lie between 1 and 2")
 
     def parameters(self) -> tuple[float, ...]:
-        """Return (K, n, d) and an undamped impact's duration, in units of greatest depth divided by impact speed.
+        """Return (K, n, d, T): T is an undamped impact's duration in units of greatest depth divided by impact speed.
 
-        The scaled duration is twice the integral of dx / sqrt(1 - x^(n+1)) from 0 to 1: 2 sqrt(pi) Gamma(1 + p) /
-        Gamma(1/2 + p) with p = 1 / (n + 1); 2.94328 for n = 1.5 (K. L. Johnson, Contact Mechanics, 1985, section 11.4).
+        T is twice the integral of dx / sqrt(1 - x^(n+1)) from 0 to 1: 2 sqrt(pi) Gamma(1 + p) / Gamma(1/2 + p) with p =
+        1 / (n + 1); 2.94328 for n = 1.5 (K. L. Johnson, Contact Mechanics, 1985, section 11.4).
         """
         p = 1.0 / (self.exponent + 1.0)
         duration = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + p) / math.gamma(0.5 + p)
@@ -87,7 +87,7 @@ class PowerLaw:
 
     @staticmethod
     def impact_scales(parameters: Sequence[float], inverse_mass: float, impact_speed: float) -> tuple[float, float]:
-        """Return the greatest depth [m] and duration [s] of an undamped impact at an inverse effective mass [1/kg]."""
+        """Return an undamped impact's greatest depth [m] and duration [s], given its inverse effective mass [1/kg]."""
         stiffness, power = parameters[0], parameters[1] + 1.0
         depth = (0.5 * power * impact_speed * impact_speed / (inverse_mass * stiffness)) ** (1.0 / power)
         return depth, parameters[3] * depth / impact_speed
@@ -133,7 +133,7 @@ class Surfaces:
 
 
 def lankarani_damping(restitution: float) -> float:
-    """Return the damping factor 3 (1 - e^2) / 4 for restitutions e near 1; its exit speed ratio is never below 0.66."""
+    """Return the damping factor 3 (1 - e^2) / 4, for restitutions e near 1; its exit speed ratio is at least 0.66."""
     return 0.75 * (1.0 - restitution**2)
 
 
@@ -157,8 +157,8 @@ def exact_damping(restitution: float) -> float:
 def sphere(surfaces: Surfaces, damping: float) -> PowerLaw:
     """Return the contact law of a sphere in a spherical seat, F = K depth^1.5 (1 + d rate / v).
 
-    Unless given, K = 4 / (3 (h_b + h_j)) sqrt(R_b R_j / (R_b - R_j)) [N/m^1.5] with h = (1 - nu^2) / E: W. Goldsmith,
-    Impact (1960); Eq 40 of Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188.
+    Unless `surfaces` gives it, K = 4 / (3 (h_b + h_j)) sqrt(R_b R_j / (R_b - R_j)) [N/m^1.5] with h = (1 - nu^2) / E:
+    W. Goldsmith, Impact (1960); Eq 40 of Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188.
     """
     if surfaces.stiffness is not None:
         return PowerLaw(surfaces.stiffness, 1.5, damping)
@@ -177,7 +177,7 @@ def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
     doi:10.1007/s11044-015-9449-x.
 
     Raises:
-        ValueError: if the clearance lies outside the range of the fit, or a stiffness is given.
+        ValueError: if the clearance lies outside the range of the fit, or `surfaces.stiffness` is given.
     """
     clearance = surfaces.bearing_radius - surfaces.journal_radius
     _refuse_stiffness(surfaces, "the law of Pereira et al. takes None and computes its own from radii and materials")
@@ -201,7 +201,7 @@ def bracket(surfaces: Surfaces, restitution: float) -> PowerLaw:
     of 25 um in by 2.5 um, and a bracket of 1e7 N/m by 34 um. The exit speed ratio is exactly the restitution.
 
     Raises:
-        ValueError: if the bracket's stiffness is unknown, or a stiffness of spheres is given.
+        ValueError: if `surfaces.bracket_stiffness` is None, or `surfaces.stiffness`, which is for spheres, is given.
     """
     if surfaces.bracket_stiffness is None:
         raise ValueError("bracket_stiffness = None must be a stiffness [N/m] for the law of brackets")

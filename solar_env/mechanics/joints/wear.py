@@ -1,8 +1,9 @@
 """Archard wear of journal and bearing, stored as a depth for each circumferential bin.
 
-dh = k p ds (J. F. Archard, J. Appl. Phys. 24 (1953) 981, doi:10.1063/1.1721448). The pressure p is even over the arc
-that the journal presses into the bearing, so that the worn volume of either surface is exactly k * integral of (normal
-force * sliding speed) dt. During a step the pressed arc moves evenly along a second arc.
+Archard's law is dh = k p ds: wear depth h, coefficient k, pressure p, sliding distance s (J. F. Archard, J. Appl. Phys.
+24 (1953) 981, doi:10.1063/1.1721448). The pressure is uniform over the arc that the journal presses into the bearing,
+so that the worn volume of either surface is exactly k * integral of (normal force * sliding speed) dt. During a step
+the pressed arc moves at constant speed along a second arc.
 """
 
 import math
@@ -20,10 +21,10 @@ def pressed_half_angle(depth, clearance):
 
 @kernel
 def share_below(angle, wide, narrow):
-    """Return the fraction of a step's wear at angles below `angle` [rad], counted from the middle of the worn zone.
+    """Return the fraction of a step's wear at angles below `angle` [rad], measured from the middle of the worn zone.
 
     A pressed arc moves along a second arc; `wide` and `narrow` are the greater and the smaller of their half angles
-    [rad]. The worn depth is even in the middle, and falls off linearly to both sides.
+    [rad]. The worn depth is uniform in the middle, and falls off linearly to both sides.
     """
     distance = abs(angle)
     rest = wide + narrow - distance
@@ -38,7 +39,7 @@ def share_below(angle, wide, narrow):
 
 @kernel
 def add_wear(depths, angle, pressed, moved, section, radius):
-    """Spread worn material over the bins of a surface on which a pressed arc moves along a second arc.
+    """Add worn material to the bins of a surface on which a pressed arc moves along a second arc in a step.
 
     Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's frame.
 

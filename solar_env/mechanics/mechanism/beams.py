@@ -43,7 +43,7 @@ class Beam:
         return self.linear_density * self.length
 
     def body(self, elements: int, angle: float = 0.0, velocity: Point = (0.0, 0.0), spin: float = 0.0) -> FlexibleBody:
-        """Return the beam as a flexible body, with its first end at the origin."""
+        """Return the beam as a `FlexibleBody`; its first end is at the origin and moves at `velocity` [m/s]."""
         return FlexibleBody(
             name=BEAM,
             length=self.length,
@@ -88,7 +88,7 @@ def cantilever(
 def spin_up_beam(
     beam: Beam = SPIN_UP_BEAM, elements: int = 16, rate: float = 6.0, ramp_time: float = 15.0
 ) -> Mechanism:
-    """Return a beam whose root is turned from rest up to a constant rate (Simo and Vu-Quoc 1986)."""
+    """Return a beam whose root is turned from rest up to `rate` [rad/s] in `ramp_time` [s] (Simo and Vu-Quoc 1986)."""
     drive = Drive(BEAM, 0.0, rate, ramp_time=ramp_time)
     return Mechanism((beam.body(elements),), _pivot(), drives=(drive,))
 

@@ -1,4 +1,4 @@
-"""Mechanisms as data: bodies, joints, force elements. `build.compile_mechanism` turns them into arrays.
+"""Mechanisms as data: bodies, joints, force elements. `equations.build.compile_mechanism` turns them into arrays.
 
 All quantities are in SI units, angles in rad and counter-clockwise positive. Constructors refuse bad parameters.
 """
@@ -13,7 +13,7 @@ from solar_env.mechanics.numerics.checks import check_table, require, require_fi
 
 @dataclass(frozen=True)
 class Spring:
-    """Torsion spring: torque = stiffness * (preload_angle - joint angle) [N m] (paper, Eq 1)."""
+    """Torsion spring: torque = stiffness [N m/rad] * (preload_angle - joint angle [rad]) (Li et al. 2019, Eq 1)."""
 
     stiffness: float
     preload_angle: float
@@ -25,7 +25,7 @@ class Spring:
 
 @dataclass(frozen=True)
 class Stop:
-    """Two-sided stop with free play `gap` on either side of its angle (BISTOP with STEP damping, paper Eqs 5-7).
+    """Two-sided stop with free play `gap` on either side: BISTOP with STEP damping (Li et al. 2019, Eqs 5-7).
 
     Attributes:
         gap: free play to each side [rad].
@@ -59,9 +59,9 @@ class Bearing:
         friction_coefficient: Coulomb's coefficient of friction.
         friction_speeds: sliding speeds at which friction sets in, and at which it reaches Coulomb's force [m/s].
         sliding: definition of the sliding speed in friction and wear: "material", relative speed of the touching
-            material points; "centres", speed of the joint's centres; "places", speed of the contact point round the
-            line of centres, some percent of the centres' speed (paper, Eq 35 as printed). The last two leave the
-            bodies' rotation out.
+            material points; "centres", speed of the journal's centre across the line of centres; "places", speed at
+            which the contact point moves round the bearing, some percent of the centres' speed (Eq 35 of Li et al. as
+            printed). The last two leave the bodies' rotation out.
         wear_coefficient: Archard's k [m2/N].
         width: axial length of the bearing [m].
     """
@@ -108,7 +108,7 @@ class Joint:
             counts as latched from its first arrival on.
         release_time: time [s] at which a hold-down releases the joint, which it holds folded until then; None for no
             hold-down.
-        release_after: joint whose latching starts the release time; None starts it at t = 0.
+        release_after: joint from whose latching `release_time` counts; None counts it from t = 0.
         spring_table: angles [rad] and torques [N m] of a spring of any characteristic, in addition to `spring`.
         harness: angles [rad] and torques [N m] of any other torque that depends on the joint angle.
         damping: coefficient of a viscous damper [N m s/rad].
@@ -158,13 +158,14 @@ class Joint:
 
 @dataclass(frozen=True)
 class CableLoop:
-    """Closed cable loop over the wheels of two joints: a belt along the body between them (paper, Eqs 2-4).
+    """Closed cable loop over the wheels of two joints: a belt along the body between them (Li et al. 2019, Eqs 2-4).
 
     The wheel at joint a is fixed to joint a's inboard body, the wheel at joint b to joint b's outboard body. The
-    strands run from hinge to hinge along the chord of the body between. The wheels' angles are the joint angles, but
-    count from this chord where the body bends. With the mismatch s = wheel_ratio * angle_a - angle_b and both strands
-    taut, the torque is K s on the wheel at joint b and -torque_ratio * K s at joint a. The reaction acts on the body
-    between, as a pair of forces at its hinges. The loop conserves energy if the two ratios are equal.
+    strands run from hinge to hinge along the chord of the body between. On a rigid body the wheels' angles are the
+    joint angles; on one that bends, they are measured relative to the chord. With the mismatch s = wheel_ratio *
+    angle_a - angle_b and both strands taut, the torque is K s on the wheel at joint b and -torque_ratio * K s at joint
+    a. The reaction acts on the body between, as a pair of forces at its hinges. The loop conserves energy if the two
+    ratios are equal.
 
     Attributes:
         joint_a, joint_b: joint names; the outboard body of joint a is the inboard body of joint b.
@@ -240,9 +241,9 @@ class Load:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Planar mechanism: bodies, joints, cable loops, drives, loads, gravity and number of wear bins.
+    """Planar mechanism: bodies, joints, cable loops, drives, loads, gravity [m/s2] and number of wear bins.
 
-    Neighbours in `bodies` should be connected: implicit integration eliminates in the order of `bodies`.
+    Neighbours in `bodies` should be connected: implicit integration eliminates unknowns in the order of `bodies`.
     """
 
     bodies: tuple[AnyBody, ...]

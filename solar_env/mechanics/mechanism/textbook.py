@@ -38,7 +38,7 @@ class Link:
         return cls(length, mass, mass * length**2 / 12.0)
 
     def body(self, name: str, position: complex, angle: float, velocity: complex, spin: float) -> Body:
-        """Return the link as a body, given the motion of its first pin; complex numbers x + i y stand for points."""
+        """Return the link as a body; `position` and `velocity` of its first pin are complex numbers x + i y."""
         body = Body(name, self.mass, self.inertia, self.length, (self.length / 2.0, 0.0), angle=angle, spin=spin)
         return replace(body, position=(position.real, position.imag), velocity=(velocity.real, velocity.imag))
 
@@ -57,7 +57,7 @@ def pendulum(
 
 
 def flores_bearing(clearance: float = 5e-4) -> Bearing:
-    """Return a bearing of P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8, by its clearance [m].
+    """Return the bearing of P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8; `clearance` [m].
 
     The bearing has radius 10 mm, friction 0.03, and the Lankarani-Nikravesh contact law with restitution 0.9.
     """
@@ -81,8 +81,8 @@ def four_bar(
 ) -> Mechanism:
     """Return the four-bar linkage with a crank that turns at a constant rate, in its open configuration.
 
-    Crank and rocker are pinned at (0, 0) and (ground_length, 0). The default slender links make a crank-rocker: 0.10 m,
-    0.35 m and 0.25 m with 1 kg a metre, and one turn a second (chosen).
+    Crank and rocker are pinned at (0, 0) and (ground_length, 0). The default links are slender rods of 0.10 m, 0.35 m
+    and 0.25 m with 1 kg per metre. They make a crank-rocker with one turn per second (chosen).
 
     Args:
         crank, coupler, rocker: links; None takes the defaults.
@@ -155,8 +155,8 @@ def loaded_journal(
     """Return a journal of 1 kg, loaded by a force, in a bearing that is fixed to the ground.
 
     The journal starts at the depth that carries the load, at rest or turning. Driven at a constant rate, it slides and
-    wears. A free journal that a motor torque turns creeps with the friction that balances the torque; its flywheel
-    (0.01 kg m2) keeps it from rolling to and fro in the bearing.
+    wears. A free journal under a motor torque creeps at the sliding speed whose friction balances the torque; its
+    flywheel (0.01 kg m2) keeps it from rolling to and fro in the bearing.
 
     Args:
         bearing: clearance, friction and wear.

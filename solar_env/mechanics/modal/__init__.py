@@ -14,17 +14,15 @@ amplitudes are not unknowns of a step: like the motion of all bodies, they follo
 The formulation leaves out two effects. First, the inertia of the turning frame (centrifugal and Coriolis forces on the
 amplitudes) would raise the squared frequency of a free panel's lowest mode by 2.05 spin^2. At spins of 3 and 10 % of
 that frequency (2.0 and 6.8 rad/s for a panel of the array), the frequency is 0.1 and 1.0 % too low. Second, without
-bending terms beyond second order, a static tip deflection is too small by 0.05 of the end's squared slope against the
-frame, 0.2 % at 0.2 rad. A run warns where either leaves out 1 % of stiffness or shortening (`verification.panels`
+bending terms beyond second order, a static tip deflection is too small by 0.05 of the squared slope between end and
+frame: 0.2 % at 0.2 rad. A run warns where either effect reaches 1 % of stiffness or shortening (`verification.panels`
 measures both).
 
 Foreshortening, by which bending shortens a panel, uses the shapes of the four lowest bending modes. All other modes
-enter together, with the shapes into which end loads bend a panel. Foreshortening excites three axial modes; its
+enter together, with the static shapes of a panel under end loads. Foreshortening excites three axial modes; its
 remainder moves the ends immediately. The array's peak reactions with ideal joints agree within 0.1 % with 48-element
 beams.
 
 The method is of order five in motion and three in the loads at the ends of its steps. With ideal joints, whose
-reactions follow foreshortening, the order of motion is 3.4.
-
-The package imports `records` and the packages below it.
+reactions follow foreshortening, the order of motion is 3.4. The package imports `records` and the packages below it.
 """

@@ -31,7 +31,7 @@ _COMPARABLE = 0.01
 
 @kernel
 def at_start(course):
-    """Return the value at the start of a step of the polynomial through the values `course` at its stages."""
+    """Return the value at the start of a step of the polynomial through the three values `course` at its stages."""
     total = 0.0
     for k in range(STAGES):
         total += AT_START[k] * course[k]
@@ -40,7 +40,11 @@ def at_start(course):
 
 @kernel
 def vibration_defect(panels, panel, free, held, d, h, kind, group):
-    """Return the error [m/s] of a group's unresolved vibration at the ends, less what loads and foreshortening hold."""
+    """Return the error [m/s] at a panel's end by a mode group's vibrations, which the step `h` [s] does not resolve.
+
+    `kind` selects the error: 0 for the end's rate, 1 for its deflection times the frequency. Static deflections under
+    the loads and foreshortening at the start of the step are subtracted, since they do not vibrate.
+    """
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
         defect += held[kind, group, j] * at_start(panel.load[group, j])
@@ -57,16 +61,16 @@ def vibration_defect(panels, panel, free, held, d, h, kind, group):
 
 @kernel
 def deviation(state, work, k):
-    """Return how far load `k` at the start of the step is from the polynomial through its values at the stages."""
+    """Return how far load `k` at the start of the step lies from the polynomial through its values at the stages."""
     return abs(state.course[k, LAST] - at_start(work.loads[k].stage))
 
 
 @kernel
 def step_error(model, state, work, settings, tables, level, h):
-    """Return the error of a solved step `h` [s] in units of the tolerances.
+    """Return the error of a solved step `h` [s] in units of the tolerances: the greatest error of any load or panel.
 
     A load's error is its `deviation`. If the last step was far longer, a reaction's error is at most its change between
-    the stages. The error of unresolved vibrations is the motion of the ends minus the exact motion.
+    the stages. A panel's error is the difference of its ends' unresolved vibration from the exact vibration.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -114,9 +118,10 @@ def put_number(array, k, number):
 
 @kernel
 def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
-    """Advance the amplitude of mode `k` over the step, or of four modes at once where `take` and `put` move vectors.
+    """Advance amplitude `q` and rate `v` of mode `k` over the step, or of four modes from `k` on.
 
-    Return the square of the new rate times `frequency` [1/s]. `load` holds the loads of the ends at the stages.
+    One mode needs `number_at` and `put_number` as `take` and `put`, four modes need `load4` and `store4`. `load` holds
+    the loads of the ends at the stages. Return the square of (new rate times frequency).
     """
     value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
     moved = take(ends[0], k) * value + take(ends[1], k) * rate
@@ -133,7 +138,7 @@ def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
 
 @kernel
 def move_panel(panels, panel, ends, d, q, v):
-    """Advance a panel's amplitudes over the step; return the power [W] that damping dissipates at the end."""
+    """Advance a panel's amplitudes `q` and rates `v` over the step; return the damping power [W] at the step's end."""
     total = 0.0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
@@ -159,7 +164,7 @@ def move_panel(panels, panel, ends, d, q, v):
 
 @kernel
 def note_extremes(model, state, work, v):
-    """Raise the panels' maxima so far: slope of an end [rad], spin divided by the lowest frequency."""
+    """Update the panels' maxima so far, `state.extremes`: slope of an end [rad], spin divided by lowest frequency."""
     panels, extremes = model.panels, state.extremes
     even, odd = panels.first[BENDING_EVEN], panels.first[BENDING_ODD]
     for b in range(model.bodies.size):
@@ -175,7 +180,7 @@ def note_extremes(model, state, work, v):
 
 @kernel
 def commit_step(model, state, work, tables, level, h):
-    """Advance the workspace's coordinates and velocities to the end of the solved step."""
+    """Write coordinates, velocities and the panels' damping power at the end of the solved step to `work`."""
     for b in range(model.bodies.size):
         body, frame, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
@@ -194,7 +199,7 @@ def commit_step(model, state, work, tables, level, h):
 
 @kernel
 def keep_loads(state, work):
-    """Copy the loads and foreshortening forces at the stages, and the damping power at the end, to the state."""
+    """Copy loads and foreshortening forces at the stages, and damping power at the end, from `work` to `state`."""
     for k in range(work.loads.size):
         store4(state.course[k], 0, load4(work.loads[k].stage, 0))
     for p in range(work.panels.size):

@@ -63,8 +63,7 @@ TORQUE_ROW, CABLE_ROW, PULL_ROW, NORMAL_ROW, TANGENTIAL_ROW, REACTION_X_ROW, REA
 # the body between the joints is rigid and the loop does not pull.
 STRETCH, WHEEL_RATE, ACROSS_X, ACROSS_Y, LENGTH = range(5)
 CABLE_COLUMNS = 5
-# Greatest number of attachments that a load acts on: two for a joint, four for a cable loop.
-FACES = 4
+FACES = 4  # greatest number of attachments that a load acts on: two for a joint, four for a cable loop
 
 
 # Position and direction of an attachment at the present state.

@@ -42,16 +42,17 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, square_roots, sum_lanes, where_less
 from solar_env.mechanics.records.history import note_force
 
-# Greatest short step [s], in which velocities hardly change, but rounding shows in difference quotients.
-_SHORT = 1e-6
+_SHORT = 1e-6  # s, greatest short step: velocities hardly change, rounding shows in difference quotients
 _NO_TORQUE = 1e-12  # N m, greatest torque of a stop that has let go of its joint
-# Weights of the stages in an integral over the step, in vector lanes.
-_WEIGHTS = np.array([*WEIGHTS, 0.0])
+_WEIGHTS = np.array([*WEIGHTS, 0.0])  # weights of the stages in an integral over the step, in vector lanes
 
 
 @kernel
 def note_arcs(work, joint, scratch, slid):
-    """Store the arcs of both bodies that a contact slid along, by the work-weighted mean and variance of its angle."""
+    """Store in `scratch.arcs` the arcs (middle, half angle) [rad] along which a contact slid on both bodies.
+
+    Each arc has the mean and variance of the contact's angle, weighted by the sliding work `slid` [J] of the stages.
+    """
     motion, total = scratch.motion, sum_lanes(slid)
     if total > 0.0:
         nx, ny, share = load4(motion[NORMAL_X], 0), load4(motion[NORMAL_Y], 0), slid * (1.0 / total)
@@ -68,7 +69,7 @@ def note_arcs(work, joint, scratch, slid):
 
 @kernel
 def add_integrals(model, state, work, h):
-    """Add a step's contributions to the joints' integrals in the workspace, from loads and motion at the stages.
+    """Add a step's contributions to the time integrals of all joints in `work`, from loads and motion at the stages.
 
     A stop that lets go of its joint dissipates all its stored energy, whatever its torque does between the stages.
     """
@@ -110,7 +111,7 @@ def add_integrals(model, state, work, h):
 
 @kernel
 def note_peaks(model, state, work, h, share):
-    """Raise the force maxima to the step's contact force peaks, at stages or at the top of a parabola through them."""
+    """Update the joints' force maxima by the step's contact forces: at stages, or at the top of a parabola between."""
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
         joint_state, force = state.joints[j], force_of(model, j)
@@ -132,7 +133,7 @@ def note_peaks(model, state, work, h, share):
 
 @kernel
 def panel_energies(model, body, q, v, work, energies):
-    """Add the kinetic and strain energy of a panel's amplitudes; the panel's scratch must hold the same motion."""
+    """Add kinetic and strain energy [J] of a panel's amplitudes to `energies`; `work` must hold the same motion."""
     panels, d, first, panel = model.panels, body.design, body.offset + 3, work.panels[body.panel]
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
@@ -145,7 +146,7 @@ def panel_energies(model, body, q, v, work, energies):
 
 @kernel(inlined=False)
 def stored_energies(model, state, q, v, work, energies):
-    """Fill the stored energies [J] of the configuration for which `look_at` was called last."""
+    """Write to `energies` the stored energies [J] of the motion `q`, `v` for which `look_at` was called last."""
     energies[:] = 0.0
     for b in range(model.bodies.size):
         body = model.bodies[b]
@@ -169,7 +170,7 @@ def stored_energies(model, state, q, v, work, energies):
 
 @kernel
 def cubic(share, x0, r0, x1, r1):
-    """Return the cubic at a fraction `share` of the step, through values and rates (times the step) at both ends."""
+    """Return the Hermite cubic at a fraction `share` of the step: values x0, x1; rates times the step r0, r1."""
     rest = 1.0 - share
     return rest * rest * ((1.0 + 2.0 * share) * x0 + share * r0) + share * share * (
         (3.0 - 2.0 * share) * x1 - rest * r1
@@ -178,7 +179,7 @@ def cubic(share, x0, r0, x1, r1):
 
 @kernel(inlined=False)
 def fill_load_table(model, state, work, loads, table):
-    """Fill the (joints, LOAD_COLUMNS) table from `look_at`'s last motion and `loads`, ordered as in `state.course`."""
+    """Write joint motion (of the last `look_at`), forces and torques to `table`; `loads` has `state.course`'s order."""
     for j in range(model.joints.size):
         joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]
@@ -200,7 +201,7 @@ def fill_load_table(model, state, work, loads, table):
 
 @kernel
 def course_at(stage, share):
-    """Return the polynomial through values at the stages of a step, at a fraction `share` of the step."""
+    """Return the polynomial through the values `stage` at the stages of a step, at a fraction `share` of the step."""
     total = 0.0
     for k in range(STAGES):
         value = 0.0
@@ -212,9 +213,9 @@ def course_at(stage, share):
 
 @kernel
 def sample_modal(model, state, settings, work, recorder, h, share):
-    """Store one row of samples at a fraction `share` of the step from the present state to `work.q`.
+    """Store a row in `recorder.samples`, at a fraction `share` of the step from the present state to `work.q`.
 
-    Velocities of frames are rates of the cubics. Velocities of modes (not always resolved) and integrals vary linearly.
+    Frame velocities are rates of interpolating cubics. Mode velocities (not always resolved) and integrals are linear.
     """
     n, rest = state.q.size, 1.0 - share
     row = recorder.samples[recorder.filled[0]]

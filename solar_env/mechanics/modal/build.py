@@ -44,8 +44,7 @@ from solar_env.mechanics.modal.tables import (
     filled_tables,
 )
 
-# Number of blocks of pseudo-modes, which stand for the modes that are left out, see `beam_modes`.
-_BLOCKS = 2
+_BLOCKS = 2  # number of blocks of pseudo-modes, which stand for the modes that are left out, see `beam_modes`
 # Greatest frequency times step of damped modes with exact response. Reactions of ideal joints follow modes at once, and
 # grow unstable where modes pass at arbitrary phases.
 _EXACT, _EXACT_BESIDE_REACTIONS = 16.0, 4.0
@@ -54,13 +53,13 @@ _Design = tuple[float, float, float, float, float, int]
 
 
 def design(panel: ModalPanel) -> _Design:
-    """Return a panel's design: all parameters that determine its modes and their responses."""
+    """Return a panel's design: (length, mass, axial stiffness, bending stiffness, damping, number of modes)."""
     stiffness = (panel.axial_stiffness, panel.bending_stiffness)
     return (panel.length, panel.mass, *stiffness, panel.damping, panel.modes)
 
 
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
-    """Return the (2, LOW, LOW, FORMS) quadratic forms by bending group; products of the other parity vanish."""
+    """Return K and S of `quadratic_forms` by bending group (2, LOW, LOW, FORMS), without products that vanish."""
     forms = np.zeros((2, LOW, LOW, FORMS))
     # The lowest bending modes are even and odd by turns; then come the end values of the other modes.
     rest = range(coupled, coupled + VALUES), range(coupled + VALUES, coupled + 2 * VALUES)
@@ -207,7 +206,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
 def _bodies(
     described: list[AnyBody], designs: tuple[_Design, ...], amplitudes: int
 ) -> tuple[NDArray[np.void], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the bodies' records (`body_type`), initial coordinates and initial velocities."""
+    """Return records (`body_type`), initial coordinates and velocities of bodies; panels have `amplitudes` each."""
     offsets = [0, *itertools.accumulate(3 + amplitudes * isinstance(body, ModalPanel) for body in described)]
     bodies = np.zeros(len(described), dtype=body_type)
     q, v = np.zeros(offsets[-1]), np.zeros(offsets[-1])
@@ -232,7 +231,7 @@ def _bodies(
 
 
 def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.void]:
-    """Return the joints' attachments (`attachment_type`), two for each joint, and enter their indices in `joints`."""
+    """Return the joints' attachments (`attachment_type`), two for each joint, and write their indices to `joints`."""
     attachments = np.zeros(2 * len(mechanism.joints), dtype=attachment_type)
     names = [*(body.name for body in mechanism.bodies), GROUND]
     for k, joint in enumerate(mechanism.joints):
@@ -252,7 +251,10 @@ def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.v
 
 
 def _folded_angle(mechanism: Mechanism, k: int) -> float:
-    """Return the bodies' angle difference at joint angle 0; full turns put the initial angle within pi of `middle`."""
+    """Return the angle [rad] between joint `k`'s bodies at joint angle 0.
+
+    Full turns are added so that the initial joint angle lies within pi of the joint's `middle`.
+    """
     joint = mechanism.joints[k]
     angles = {GROUND: 0.0, **{body.name: body.angle for body in mechanism.bodies}}
     angle = joint.sign * (angles[joint.outboard] - angles[joint.inboard] - joint.folded_angle)

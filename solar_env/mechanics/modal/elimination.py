@@ -1,4 +1,4 @@
-"""Gaussian elimination of Newton's matrix in 3 x 3 blocks, each for one unknown load at the three stages.
+"""Gaussian elimination of Newton's matrix in 3 x 3 blocks: each couples two unknown loads at the three stages.
 
 The rows of a block are lanes of a vector. Column STAGES * c + k belongs to load c at stage k. No pivots are needed: the
 symmetric part of the matrix is positive definite.
@@ -8,13 +8,12 @@ from solar_env.mechanics.modal.tables import STAGES
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.vectors import load4, store4
 
-# Least determinant of a diagonal block. Rows are scaled to diagonals of about one: less than this is rounding.
-_SINGULAR = 1e-30
+_SINGULAR = 1e-30  # least determinant of a diagonal block; rows are scaled to diagonals of about one: less is rounding
 
 
 @kernel
 def invert(matrix, q, inverse):
-    """Fill `inverse` (STAGES, LANES), by column, of unknown `q`'s diagonal block; return False if it is singular."""
+    """Write the inverse of unknown `q`'s diagonal block to `inverse` (STAGES, LANES); return False if singular."""
     first, second, third = matrix[STAGES * q, q], matrix[STAGES * q + 1, q], matrix[STAGES * q + 2, q]
     a1, a2, a3, b1, b2, b3 = first[0], first[1], first[2], second[0], second[1], second[2]
     c1, c2, c3 = third[0], third[1], third[2]
@@ -67,7 +66,7 @@ def eliminate(matrix, inverses, first, end):
 
 @kernel
 def substitute(matrix, inverses, first, end, residual, correction):
-    """Solve for the `correction` (R, LANES) of unknowns `first` to `end`; the `residual` (R, LANES) is overwritten."""
+    """Solve the factored system of unknowns `first` to `end`: write `correction` (R, LANES), overwrite `residual`."""
     for q in range(first, end):
         for i in range(q + 1, end):
             subtract_product(matrix, q, i, residual[q], residual[i])
@@ -82,7 +81,7 @@ def substitute(matrix, inverses, first, end, residual, correction):
 
 @kernel
 def subtract_product(matrix, q, i, values, target):
-    """Subtract block (`i`, `q`) of the matrix, times the `values` at the stages, from a `target` (LANES,)."""
+    """Subtract block (`i`, `q`) of the matrix, times the `values` at the stages, from `target` (LANES,), in place."""
     total = load4(target, 0)
     for k in range(STAGES):
         total = total - load4(matrix[STAGES * q + k, i], 0) * values[k]

@@ -40,7 +40,7 @@ from solar_env.mechanics.numerics.vectors import (
 
 @kernel
 def free_ends(panels, panel, tables, d, level, q, v):
-    """Compute the load-free motion, at a step's stages, of the ends and coupled modes of a panel of design `d`."""
+    """Compute a panel's motion without loads at the stages: ends (`panel.free`), coupled modes (`panel.low_free`)."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         # Slices avoid tests for negative indices.
@@ -62,7 +62,7 @@ def free_ends(panels, panel, tables, d, level, q, v):
 
 @kernel
 def forced_ends(panel, response, groups):
-    """Compute the ends' motion at the stages for a panel's first `groups` mode groups: free motion plus response."""
+    """Compute in `panel.ends` the ends' motion at the stages, free plus response to loads, for `groups` mode groups."""
     for group in range(groups):
         for i in range(values_of(group)):
             total = load8(panel.free[group, i], 0)
@@ -74,7 +74,7 @@ def forced_ends(panel, response, groups):
 
 @kernel
 def add_modal_forces(panels, panel, forced, d):
-    """Add the response to foreshortening's modal forces to the motion of a panel's ends."""
+    """Add to the ends' motion in `panel.ends` the response to the modal forces by which foreshortening acts."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k, by_load, gain = panels.first[group] + r, forced[group, r], splat8(0.0)
@@ -86,7 +86,7 @@ def add_modal_forces(panels, panel, forced, d):
 
 @kernel
 def foreshorten(forms, panel):
-    """Fill values, rates and gradients of foreshortening's quadratic forms from the coupled coordinates' motion."""
+    """Compute foreshortening's quadratic forms, with rates and gradients, in `panel`, from the motion `panel.low`."""
     value0 = value1 = value2 = value3 = value4 = splat4(0.0)
     rate0 = rate1 = rate2 = rate3 = rate4 = splat4(0.0)
     for group in range(2):
@@ -122,7 +122,7 @@ def foreshorten(forms, panel):
 
 @kernel
 def shorten_ends(panel):
-    """Add foreshortening to the axial motion of a panel's ends."""
+    """Add foreshortening, `panel.shortening`, to the axial motion of a panel's ends in `panel.ends`."""
     odd, even = panel.ends[AXIAL_ODD, 0], panel.ends[AXIAL_EVEN, 0]
     store8(odd, 0, load8(odd, 0) + load8(panel.shortening[ODD_ENDS], 0))
     store8(even, 0, load8(even, 0) + load8(panel.shortening[EVEN_ENDS], 0))
@@ -130,13 +130,13 @@ def shorten_ends(panel):
 
 @kernel
 def in_all_lanes(value, rate):
-    """Return a vector that holds the same value, and the same rate, for all stages."""
+    """Return a vector of eight numbers: `value` four times and `rate` four times, the same for all stages."""
     return joined(splat4(value), splat4(rate))
 
 
 @kernel
 def sum_ends(panels, panel, d, q, v):
-    """Compute the motion of a panel's ends from amplitudes `q` and their rates `v`, without foreshortening."""
+    """Compute in `panel.ends` the ends' motion by amplitudes `q` and their rates `v`, without foreshortening."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         values, rates = q[begin:end], v[begin:end]
@@ -150,7 +150,7 @@ def sum_ends(panels, panel, d, q, v):
 
 @kernel
 def take_rest(panels, panel, d, group, r, moved):
-    """Subtract coupled mode `r`, at amplitude `moved`, from a group's end values: the other modes' part remains."""
+    """Subtract coupled mode `r`, with motion `moved`, from end values in `panel.low`: the other modes' part is left."""
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]
         store8(rest, 0, load8(rest, 0) - panels.shapes[d, i, panels.first[group] + r] * moved)
@@ -158,7 +158,7 @@ def take_rest(panels, panel, d, group, r, moved):
 
 @kernel
 def shorten_pose(panels, panel, d, q, v):
-    """Add foreshortening to the motion of a panel's ends at amplitudes `q` and their rates `v`."""
+    """Add foreshortening at amplitudes `q` and their rates `v` to the motion of a panel's ends in `panel.ends`."""
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):
@@ -174,7 +174,7 @@ def shorten_pose(panels, panel, d, q, v):
 
 @kernel
 def move_low(panels, panel, forced, d, group):
-    """Compute the motion of a group's coupled coordinates at the stages, under end loads and present modal forces."""
+    """Compute a group's coupled coordinates at the stages in `panel.low`, under end loads and present modal forces."""
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
         for i in range(VALUES):
@@ -203,7 +203,7 @@ def axial_form(group, r):
 
 @kernel
 def push_axial(panels, panel, d):
-    """Compute the modal forces with which foreshortening acts on a panel's axial modes."""
+    """Compute in `panel.coupling` the modal forces with which foreshortening acts on a panel's axial modes."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency = panels.frequency[d, panels.first[group] + r]
@@ -214,7 +214,7 @@ def push_axial(panels, panel, d):
 
 @kernel
 def push_bending(panels, panel, d):
-    """Compute the modal forces with which tension acts on a panel's bending coordinates."""
+    """Compute in `panel.coupling` the modal forces with which tension acts on a panel's bending coordinates."""
     for f in range(FORMS):
         store4(panel.tension[f], 0, splat4(0.0))
     store4(panel.tension[EVEN_ENDS], 0, load4(panel.load[AXIAL_EVEN, 0], 0))
@@ -246,7 +246,7 @@ def push_bending(panels, panel, d):
 
 @kernel
 def bend(panels, panel, forced, d):
-    """Compute foreshortening at the stages; the ends' motion must already include the loads."""
+    """Compute foreshortening at the stages in `panel.shortening`; `panel.ends` must already include the loads."""
     for group in range(AXIAL_EVEN):
         move_low(panels, panel, forced, d, group)
     foreshorten(panels.forms[d], panel)
@@ -254,7 +254,7 @@ def bend(panels, panel, forced, d):
 
 @kernel
 def couple(panels, panel, forced, d):
-    """Compute foreshortening's modal forces in a panel at the stages: axial forces first, which determine the tension.
+    """Compute foreshortening's modal forces at the stages in `panel.coupling`: axial ones, then ones by tension.
 
     `bend` must have been called. End loads change: they include foreshortening's forces on the other modes' end values.
     """

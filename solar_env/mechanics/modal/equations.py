@@ -34,7 +34,7 @@ _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 @kernel
 def enter_piece(load, piece):
-    """Store the branches of a load's law at the stages; return 1 at stages where the branch changed, else 0."""
+    """Store the branches `piece` of a load's law at the stages in `load`; return 1 where a branch changed, else 0."""
     before = load4(load.piece, 0)
     store4(load.piece, 0, piece)
     return where_less(piece, before, 1.0, where_less(before, piece, 1.0, 0.0))
@@ -42,9 +42,9 @@ def enter_piece(load, piece):
 
 @kernel
 def torque_laws(model, state, work):
-    """Fill torques of joints and cable loops, and their slopes, at the stages; return the number of changed branches.
+    """Write to `work.loads` the torques of joints and cable loops, and their slopes, at the stages.
 
-    The slackening of a cable loop is smooth enough for Newton's iteration and counts as no branch.
+    Return the number of changed branches by stage, without slackening cable loops: these are smooth enough for Newton.
     """
     changed = splat4(0.0)
     for j in range(model.joints.size):
@@ -73,7 +73,10 @@ def torque_laws(model, state, work):
 
 @kernel
 def enter_row(work, r, load, diagonal):
-    """Fill row `r` of Newton's matrix: slopes of the unknown minus its law, by all unknowns of its block."""
+    """Write row `r` of Newton's matrix: derivatives of unknown `r` minus its law by all unknowns of its block.
+
+    `load` is the record of the unknown. `diagonal` is 1, or 0 for a reaction, whose equation is a constraint.
+    """
     tangential = work.unknowns[r].kind == TANGENTIAL_ROW
     for c in range(work.unknowns[r].first, work.unknowns[r].end):
         moved, own = work.mobility[r, c].response, diagonal if c == r else 0.0
@@ -86,7 +89,7 @@ def enter_row(work, r, load, diagonal):
 
 @kernel
 def contact_law(joint, joint_state, scratch, normal, tangential):
-    """Fill both forces of a contact, and their slopes, at the stages; return 1 at stages where a branch changed."""
+    """Write a contact's forces and slopes to `normal` and `tangential`; return 1 at stages where a branch changed."""
     motion, tried, speed_zero = scratch.motion, scratch.tried, joint_state.impact_speed
     depth, rate, speed = load4(motion[DEPTH], 0), load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
     force, _, by_depth, by_rate = normal_force(joint, depth, rate, speed_zero)
@@ -119,7 +122,7 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
 
 @kernel
 def contact_laws(model, state, work, n):
-    """Fill forces and slopes of all contacts among the unknowns; return the number of changed branches by stage."""
+    """Write forces and slopes of all contacts to `work.loads`; return the number of changed branches by stage."""
     changed = splat4(0.0)
     for r in range(n):
         if work.unknowns[r].kind == NORMAL_ROW:
@@ -131,7 +134,7 @@ def contact_laws(model, state, work, n):
 
 @kernel
 def reaction_law(state, work, r, h):
-    """Fill the residuals of an ideal joint's reaction component, which are scaled relative velocities, and slopes."""
+    """Write residual (scaled relative velocity) and slopes of unknown `r`, an ideal joint's reaction, to `work`."""
     j, kind, response, gain = work.unknowns[r].owner, work.unknowns[r].kind, work.mobility[r, r].response, 0.0
     for k in range(STAGES):
         gain += abs(response[COLUMNS * k + END_RATE])

@@ -29,13 +29,12 @@ from solar_env.mechanics.modal.motion import look_at
 from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, EVEN_ENDS, LAST, ODD_ENDS
 from solar_env.mechanics.numerics.jit import kernel
 
-# Number of parts of a panel's axis, each with as many points as an element of a beam.
-_PARTS = 8
+_PARTS = 8  # number of parts of a panel's axis, each with as many points as an element of a beam
 
 
 @kernel
 def view_joint(model, state, j):
-    """Return what a controller may observe of joint `j`."""
+    """Return the `JointView` of joint `j`, which a controller may observe: angles, rates and eccentricity."""
     view = state.views[j]
     return JointView(view[0], view[1], math.atan2(math.sin(view[2]), math.cos(view[2])), view[3], view[4], view[5])
 
@@ -50,7 +49,7 @@ class FloatingFrames(Formulation):
         return compile_modal(mechanism)
 
     def begin(self, model: ModalModel, state: ModalState) -> None:
-        """Fill the joint loads with the initial torques, and the views that controllers observe."""
+        """Set the joint loads in `state` to the initial torques, and fill the views that controllers observe."""
         start_loads(model, state, make_workspace(model, state))
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
@@ -98,12 +97,12 @@ class FloatingFrames(Formulation):
         return np.stack([line.real, line.imag], axis=-1)
 
     def modal_range(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return maxima so far: slope of a panel's end [rad], spin divided by lowest angular frequency."""
+        """Return maxima since the start: slope of a panel's end [rad], spin divided by lowest angular frequency."""
         slope, spin_ratio = state.extremes
         return float(slope), float(spin_ratio)
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return zero, since every step solves for the reactions, and the greatest joint force component [N]."""
+        """Return the reactions' error [N], zero as every step solves for them, and the greatest force component."""
         return 0.0, float(np.abs(state.course[-2 * len(model.joints) :, LAST]).max(initial=0.0))
 
 

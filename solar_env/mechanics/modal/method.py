@@ -1,4 +1,4 @@
-"""Kernels of the method `ModalRadau` for the run loop: a step's attempt, the motion inside it, and its acceptance.
+"""Kernels of the integration method `ModalRadau` for the run loop: try a step, interpolate in it, accept it.
 
 A step is a pure function of accepted state and step size. A step with an event inside is solved again up to the event.
 """
@@ -47,12 +47,11 @@ _FIRST_STEP = 1e-4  # s, first step of a run
 # Level in tables of a single step size. Its type is the type of other levels: another type would recompile kernels.
 _CUT = np.int64(0)
 _OFF_TABLE = np.int64(-1)  # value of `trial.level` for a step size that is not tabled
-# Depth tolerance of a step, relative to the depth, divided by rtol.
-_DEPTH_TOLERANCE = 0.1
+_DEPTH_TOLERANCE = 0.1  # depth tolerance of a step, relative to the depth, divided by rtol
 
 
 def convert_settings(chosen: Any) -> ModalSettings:
-    """Convert the settings `ModalRadau` to the types that the kernels take."""
+    """Convert settings of the integration method `ModalRadau` to the types that kernels take."""
     return ModalSettings(
         float(chosen.rtol),
         float(chosen.velocity_scale),
@@ -64,13 +63,13 @@ def convert_settings(chosen: Any) -> ModalSettings:
 
 @kernel
 def set_load(state, k, load):
-    """Set load `k` of the present state, and its course in the last step, to one constant value."""
+    """Set load `k` in `state.course` to one constant value, at the present time and at the last step's stages."""
     store4(state.course[k], 0, splat4(load))
 
 
 @kernel(inlined=False)
 def start_loads(model, state, work):
-    """Compute the motion, and the torques of joints and cable loops, at the start of a run."""
+    """Compute the motion, and the torques of joints and cable loops, at the start of a run; store them in `state`."""
     look_at(model, state.q, state.v, work)
     start_from_end(model, state, state.q, work)
     note_extremes(model, state, work, state.v)
@@ -82,7 +81,7 @@ def start_loads(model, state, work):
 
 @kernel
 def take_motion(model, state, work):
-    """Fill the joints' motion at the accepted state for the run loop, and the joints' views for controllers."""
+    """Copy the joints' motion at the accepted state to `work.motion` for the run loop, and to `state.views`."""
     for j in range(model.joints.size):
         motion, place, view = work.motion[j], state.motion[j], state.views[j]
         motion.depth, motion.depth_rate = place[DEPTH], place[DEPTH_RATE]
@@ -94,7 +93,7 @@ def take_motion(model, state, work):
 
 @kernel
 def begin_modal(model, state, settings, work):
-    """Prepare a call of the run loop: fill workspace, loads and joints' motion, and choose a first step size."""
+    """Prepare a call of the run loop: copy state, loads and joint motion to `work`; choose a first step size."""
     clock = state.clock[0]
     start_at_state(state, work)
     for k in range(work.loads.size):
@@ -116,7 +115,10 @@ def start_at_state(state, work):
 
 @kernel
 def choose_modal(model, state, settings, work, remaining):
-    """Return the step to try [s]: the greatest tabled size up to the wanted size, or the remaining time of the call."""
+    """Return the step to try [s]: the greatest tabled size that accuracy, impacts and settings allow.
+
+    Take the `remaining` time of the call instead if it is hardly longer. Store the size's level in `work.trial`.
+    """
     wanted = step_limit(state, settings)
     level = level_below(wanted)
     h = level_size(level) if level < LEVELS else wanted
@@ -128,7 +130,7 @@ def choose_modal(model, state, settings, work, remaining):
 
 @kernel
 def tables_of(model, work):
-    """Return the tables, and their level, that hold the modes' responses for the trial's step size."""
+    """Return the tables with the modes' responses for the trial step's size, and the level of this size in them."""
     if work.trial[0].level == _OFF_TABLE:
         return work.tables, _CUT
     return model.tables, work.trial[0].level
@@ -136,7 +138,7 @@ def tables_of(model, work):
 
 @kernel
 def attempt_modal(model, state, settings, work, h):
-    """Solve a step `h` [s]; return its error in tolerances: 0 if cut at an event, infinite if unsolved."""
+    """Solve a trial step `h` [s]; return its error in tolerances: 0 if cut at an event, infinite if unsolved."""
     trial = work.trial[0]
     if trial.cuts > 0:
         trial.level = _OFF_TABLE
@@ -172,7 +174,7 @@ def along(state, work, j, value, rate, h, share):
 
 @kernel
 def complete_modal(model, state, settings, work, h):
-    """Compute coordinates, velocities and integrals at the end of the solved step, in the workspace."""
+    """Compute coordinates, velocities and integrals at the end of the solved step, and store them in `work`."""
     start_at_state(state, work)
     tables, level = tables_of(model, work)
     commit_step(model, state, work, tables, level, h)
@@ -196,7 +198,7 @@ def commit_modal(model, state, settings, work, h, share):
 
 @kernel
 def evaluate_modal(model, state, work, changed):
-    """Fill every joint's force at the accepted state: a contact's normal force, or an ideal joint's reaction."""
+    """Write every joint's force at the accepted state, a normal force or an ideal reaction, to `work.motion`."""
     for j in range(model.joints.size):
         first, second = state.course[force_of(model, j), LAST], state.course[force_of(model, j) + 1, LAST]
         ideal = model.joints[j].kind == IDEAL
@@ -206,14 +208,14 @@ def evaluate_modal(model, state, work, changed):
 
 @kernel
 def contact_arcs(model, state, work, j):
-    """Return the arcs of journal and bearing along which joint `j` slid in the step, by middle and half angle [rad]."""
+    """Return the arcs (middle, half angle) [rad] of journal and bearing along which joint `j` slid in the step."""
     journal, bearing = work.joints[j].arcs[0], work.joints[j].arcs[1]
     return (journal[0], journal[1]), (bearing[0], bearing[1])
 
 
 @kernel
 def instantaneous_inverse_mass(model, state, j):
-    """Return joint `j`'s inverse effective mass [1/kg] along its line of centres before the bodies deform."""
+    """Return joint `j`'s inverse effective mass [1/kg] along its line of centres at the first instant of an impact."""
     motion, joint = state.motion[j], model.joints[j]
     nx, ny, total = motion[NORMAL_X], motion[NORMAL_Y], 0.0
     for side in range(2):

@@ -1,8 +1,9 @@
 """Motion from loads: loads of joints and cable loops on bodies, bodies' frames at the stages, motion of the joints.
 
 Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. The angles of a
-loop's wheels count from the chord of the body between its joints (`joints/cable_loop.py`). A loop's load is the torque
-on the outer wheel. If the loop conserves energy, this torque does work on minus the mismatch of the wheels' angles.
+loop's wheels are measured relative to the chord of the body between its joints (`joints/cable_loop.py`). A loop's load
+is the torque on the outer wheel. If the loop conserves energy, this torque does work on minus the mismatch of the
+wheels' angles.
 """
 
 import math
@@ -54,21 +55,19 @@ from solar_env.mechanics.numerics.vectors import load4, load8, lower_half, splat
 VELOCITY_BY_LOAD = np.array([[A[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
 PLACE_BY_LOAD = np.array([[B[min(s, LAST)][k] for s in range(LANES)] for k in range(STAGES)])
 NODES_IN_LANES = np.array([NODES[min(s, LAST)] for s in range(LANES)])
-# Greatest angle [rad] at which the series of sine and cosine in `turn_body` hold all digits.
-_SMALL_TURN = 0.02
-# Greatest slope at which the arctangent's series in `chord_angle` holds all digits.
-_SMALL_SLOPE = 0.05
+_SMALL_TURN = 0.02  # rad, greatest angle at which the series of sine and cosine in `turn_body` hold all digits
+_SMALL_SLOPE = 0.05  # greatest slope at which the arctangent's series in `chord_angle` holds all digits
 
 
 @kernel
 def add(target, vector):
-    """Add a vector to the four numbers of an array."""
+    """Add a vector to the four numbers of the array `target`, in place."""
     store4(target, 0, load4(target, 0) + vector)
 
 
 @kernel
 def add_load(model, work, number, fx, fy, torque):
-    """Add a force [N] and a torque [N m] at an attachment, at all stages, to the loads of its body and panel ends."""
+    """Add a force [N] and a torque [N m] at an attachment, at all stages, to its body's and panel's loads in `work`."""
     attachment = model.attachments[number]
     body, arm = work.bodies[attachment.body], work.attachments[number].arm
     add(body.load[0], fx)
@@ -89,7 +88,7 @@ def add_load(model, work, number, fx, fy, torque):
 
 @kernel
 def outboard_load(joint, nx, ny, lever, first, second, torque):
-    """Return the force and torque of a joint on its outboard body, and the torque on its inboard body.
+    """Return a joint's force (x, y) and torque on its outboard body, and its torque on the inboard body.
 
     `first` and `second` are the components of an ideal joint's reaction, or the normal and tangential force of a
     contact along and across (nx, ny). `torque` acts on the joint angle. Arguments are numbers, or vectors.
@@ -123,10 +122,10 @@ def cable_attachment(model, cable, face):
 
 @kernel
 def face_load(model, cable, across_x, across_y, length, face, torque, pull, ratio):
-    """Return the force [N] and torque [N m] of a cable loop on its attachment `face`.
+    """Return the force (x, y) [N] and torque [N m] of a cable loop on its attachment `face` (see `cable_attachment`).
 
-    `ratio` is minus the inner torque divided by the outer torque. `across_x`, `across_y` and `length` describe the
-    chord (columns of the loop's motion), along which the `pull` [N] acts. Arguments are numbers, or vectors.
+    `torque` acts on the outer wheel; `ratio` is minus the inner torque divided by it. `across_x`, `across_y` and
+    `length` describe the chord (columns of the loop's motion), along which `pull` [N] acts. All may be vectors.
     """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
     nothing, moment = 0.0 * torque, inner - outer
@@ -144,7 +143,7 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
 
 @kernel
 def distribute_loads(model, state, work):
-    """Compute the loads on bodies and panel ends at the stages from joint and loop loads, in present directions."""
+    """Compute in `work` loads on bodies and panel ends at the stages: joint and loop loads in present directions."""
     nothing = splat4(0.0)
     for b in range(model.bodies.size):
         for i in range(3):
@@ -175,7 +174,7 @@ def distribute_loads(model, state, work):
 
 @kernel
 def turn_body(start, angle, turn):
-    """Fill `turn` (2, LANES) with cosine and sine of a body's angle: `start` (2,) turned by a vector `angle` [rad]."""
+    """Write cosine and sine of a body's angle to `turn` (2, LANES): `start` (2,) turned by a vector `angle` [rad]."""
     square, small = angle * angle, True
     store4(turn[0], 0, square)
     for s in range(STAGES):
@@ -194,7 +193,7 @@ def turn_body(start, angle, turn):
 
 @kernel
 def stage_frames(model, state, work, h):
-    """Compute centres of mass and angles of the bodies, with their rates, at the stages of a step `h` [s]."""
+    """Compute in `work.bodies` the bodies' centres of mass, angles and their rates at the stages of a step `h` [s]."""
     times = h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         body, scratch = model.bodies[b], work.bodies[b]
@@ -214,7 +213,7 @@ def stage_frames(model, state, work, h):
 
 @kernel
 def move_attachments(model, work):
-    """Compute the attachments' motion from the bodies' frames and the motion of the panels' ends."""
+    """Compute in `work.attachments` the attachments' motion from the motion of bodies' frames and panels' ends."""
     for number in range(model.attachments.size):
         attachment, scratch = model.attachments[number], work.attachments[number]
         body, panel = work.bodies[attachment.body], model.bodies[attachment.body].panel
@@ -243,7 +242,7 @@ def move_attachments(model, work):
 
 @kernel
 def move_joints(model, work):
-    """Fill the motion of every joint from its attachments' motion."""
+    """Compute in `work.joints` the motion of every joint from its attachments' motion."""
     for j in range(model.joints.size):
         joint, motion = model.joints[j], work.joints[j].motion
         outboard, inboard = work.attachments[joint.outboard], work.attachments[joint.inboard]
@@ -274,7 +273,7 @@ def move_joints(model, work):
 
 @kernel
 def chord_angle(cable, x, y, turn):
-    """Add the angle of a chord (x, y) from its body's axis to `turn` (LANES,) [rad]."""
+    """Add to `turn` (LANES,) [rad] the angle from a body's axis to a chord, which is (x, y) in the body's frame."""
     small = True
     for s in range(STAGES):
         small = small and cable.chord_sense * x[s] > 0.0 and abs(y[s]) < _SMALL_SLOPE * abs(x[s])
@@ -290,7 +289,7 @@ def chord_angle(cable, x, y, turn):
 
 @kernel
 def move_cables(model, work):
-    """Fill the motion of every cable loop from the motion of joints and attachments."""
+    """Compute in `work.cables` the motion of every cable loop from the motion of joints and attachments."""
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         inner, outer = work.joints[cable.joint_a].motion, work.joints[cable.joint_b].motion
@@ -325,7 +324,7 @@ def move_cables(model, work):
 
 @kernel(inlined=False)
 def look_at(model, q, v, work):
-    """Compute frames, attachments, joints and cable loops at given coordinates and velocities, in all vector lanes."""
+    """Compute the motion of frames, attachments, joints and cable loops at `q`, `v`, in all vector lanes of `work`."""
     for b in range(model.bodies.size):
         body, scratch, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):

@@ -64,15 +64,11 @@ _COARSE = 10.0
 # Fraction of the previous correction below which Newton's matrix is reused, and greatest number of such iterations.
 _SHRINKING = 0.1
 _KEPT_ITERATIONS = 8
-# The iteration ends where the remaining corrections are below this fraction of the tolerance.
-_CONVERGED, _CONVERGED_REACTIONS = 0.01, 0.05
+_CONVERGED, _CONVERGED_REACTIONS = 0.01, 0.05  # end at remaining corrections below this part of the tolerance
 _HOPELESS = 1e12
-# Greatest ratio of a step to the last step at which loads follow their polynomials; beyond it, they follow tangents.
-_FOLLOWED = 1.6
-# Greatest predicted turn [rad] of a line of centres.
-_GREATEST_TURN = 0.5
-# Least depth for the depth tolerance, divided by the predicted greatest depth of the impact.
-_LEAST_DEPTH = 0.05
+_FOLLOWED = 1.6  # greatest ratio to the last step at which loads follow their polynomials; beyond it, tangents
+_GREATEST_TURN = 0.5  # rad, greatest predicted turn of a line of centres
+_LEAST_DEPTH = 0.05  # least depth for the depth tolerance, divided by the predicted greatest depth of the impact
 # The depth never requires a normal force's tolerance below _LOAD_SHARE times rtol times the force, nor below
 # _LEAST_LOAD times the tolerance that the velocity requires.
 _LOAD_SHARE = 5.0
@@ -83,7 +79,7 @@ _LEAST_SCALE = 0.01
 
 
 class ModalSettings(NamedTuple):
-    """Settings of `ModalRadau` in the types that kernels take."""
+    """Settings of the integration method `ModalRadau` in the types that kernels take."""
 
     rtol: float
     velocity_scale: float
@@ -94,7 +90,7 @@ class ModalSettings(NamedTuple):
 
 @kernel
 def foresee(state, work, h):
-    """Fill the weights that extrapolate loads from the stages of the last step to the stages of a step `h` [s]."""
+    """Write to `work.step` weights that extrapolate loads from the last step's stages to this step's (`h` [s])."""
     last = state.clock[0].last_step
     for s in range(LANES):
         later = NODES[min(s, LAST)] * h / last if last > 0.0 else 0.0
@@ -110,7 +106,7 @@ def foresee(state, work, h):
 
 @kernel
 def continue_course(foreseen, course, stage):
-    """Extrapolate a `course`, values at the last step's stages, to a `stage` array (LANES,) of this step's stages."""
+    """Extrapolate `course`, values at the last step's stages, to this step's stages; write them to `stage` (LANES,)."""
     total = course[0] * load4(foreseen[0], 0)
     for k in range(1, STAGES):
         total = total + course[k] * load4(foreseen[k], 0)
@@ -119,7 +115,7 @@ def continue_course(foreseen, course, stage):
 
 @kernel
 def start_stages(model, state, work, h):
-    """Guess the stages of a step: directions move at their initial rates; loads are extrapolated from the last step."""
+    """Guess the stages of a step in `work`: directions move at initial rates, loads extrapolate the last step."""
     foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
@@ -160,7 +156,7 @@ def start_stages(model, state, work, h):
 
 @kernel
 def move_stages(model, state, work, tables, level, h, shaped, coupled):
-    """Compute the motion of bodies, attachments and joints at the stages under the present loads.
+    """Compute in `work` the motion of bodies, attachments and joints at the stages under the present loads.
 
     If `shaped`, update foreshortening; if `coupled`, update its forces, too, from amplitudes under the previous forces.
     """
@@ -197,7 +193,7 @@ def velocity_tolerance(model, state, settings):
 
 @kernel
 def set_tolerances(model, state, work, settings, h, n):
-    """Compute the tolerance of each force: its deviation from the load polynomial that causes a tolerable error."""
+    """Set each force's tolerance in `work.loads`: how far it may lie from the polynomial through its stage values."""
     limit = work.step[0].velocity_tolerance
     for r in range(n):
         j, kind, load = work.unknowns[r].owner, work.unknowns[r].kind, work.loads[work.unknowns[r].number]
@@ -228,7 +224,7 @@ def greatest_lane(vector):
 
 @kernel
 def factor_matrix(state, work, n, h, renewed):
-    """Fill the residuals; if `renewed`, fill and factor Newton's matrix. Return False if a block is singular."""
+    """Compute the residuals; if `renewed`, compute and factor Newton's matrix. Return False if a block is singular."""
     for r in range(n):
         load, constraint = work.loads[work.unknowns[r].number], work.unknowns[r].kind >= REACTION_X_ROW
         if constraint:
@@ -276,7 +272,7 @@ def correct_loads(model, state, work, n, h, renewed):
 
 @kernel
 def furthest_off(model, work, n):
-    """Return the joint whose load the latest correction changed most, in tolerances; -1 if no load changed."""
+    """Return the joint whose load the last correction changed most, relative to its tolerance; -1 if it is zero."""
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind

@@ -4,10 +4,11 @@ A mode obeys y'' + 2 delta y' + omega^2 y = f. The stages are from E. Hairer and
 Differential Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last stage is the
 step's end. A load's course over a step is the polynomial through its values at the stages. A resolved mode responds
 exactly; so does a mode that vibrates several times in a step, if damping makes errors fade. Other modes respond as the
-method integrates them, which dampens what it cannot follow; exact values at arbitrary phases would be unstable.
+Radau method integrates them: it damps what it cannot follow. Their exact values, at arbitrary phases, would be
+unstable.
 
 A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. Bending and axial modes form
-four groups, each of which sees the sum or the difference of the two ends' loads. One end's values give the other end's.
+four groups. The sum or the difference of the two ends' loads acts on a group. One end's values give the other end's.
 """
 
 import math
@@ -46,8 +47,7 @@ RATE_AT_END = tuple(float(one.deriv()(1.0)) for one in _POLYNOMIALS)
 _A = np.array([[one.integ()(node) for one in _POLYNOMIALS] for node in NODES])
 A = tuple(map(tuple, _A.tolist()))
 B = tuple(map(tuple, (_A @ _A).tolist()))
-# Weights of the stages in an integral over the step.
-WEIGHTS = A[LAST]
+WEIGHTS = A[LAST]  # weights of the stages in an integral over the step
 
 # Columns of a motion at the stages: LANES values, then LANES rates. The column without a stage repeats the last stage.
 LANES = 4
@@ -58,13 +58,11 @@ FROM_VALUE, FROM_RATE, FROM_LOAD = 0, COLUMNS, 2 * COLUMNS
 COEFFICIENTS = (2 + STAGES) * COLUMNS
 BY_LOAD = STAGES * COLUMNS
 
-# Greatest omega h of a mode that the step resolves.
-RESOLVED = 2.0
+RESOLVED = 2.0  # greatest omega h of a mode that the step resolves
 # Least damping ratio of a mode that is exact beyond RESOLVED, up to omega h of `Panels.exact`; 2 delta h must be below
 # RESOLVED.
 _DAMPED = 0.02
-# Greatest omega h of the Taylor series: beyond, the series loses digits, and the closed form has them.
-_SERIES = 3.0
+_SERIES = 3.0  # greatest omega h of the Taylor series; beyond, the series loses digits and the closed form has them
 _TERMS = 26
 _NEGLIGIBLE = 1e-20  # greatest negligible term of the series, relative to the first terms
 _SHARES = np.array([1.0 / ((n + 2) * (n + 1)) for n in range(_TERMS)])
@@ -189,7 +187,7 @@ def make_tables(panels: Panels, levels: int) -> Tables:
 
 @kernel
 def exact_coefficients(frequency, damping_rate, h, answer):
-    """Fill an `answer_type` with the exact response of a resolved mode, by a Taylor series whose terms fall as 1/n!.
+    """Write the exact response of a mode to a step `h` [s] to `answer`, by a Taylor series whose terms fall as 1/n!.
 
     Vectors have a lane for each cause: unit start value, start rate of 1/h, and loads of 1/h^2 at the stages.
     """
@@ -228,7 +226,7 @@ def exact_coefficients(frequency, damping_rate, h, answer):
 
 @kernel
 def closed_coefficients(frequency, damping_rate, h, coefficients):
-    """Fill (COEFFICIENTS,) exactly for an underdamped mode: free vibration about a load's particular solution."""
+    """Write an underdamped mode's exact response to `coefficients`: free vibration about a particular solution."""
     square, inverse = frequency * frequency, 1.0 / h
     damped = math.sqrt(square - damping_rate * damping_rate)
     for s in range(STAGES):
@@ -257,7 +255,7 @@ def closed_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
-    """Fill (COEFFICIENTS,) as the Radau IIA method moves a mode: solve three equations for the stage accelerations."""
+    """Write a mode's response by Radau IIA to `coefficients`: solve three equations for the stage accelerations."""
     square, damping = frequency * frequency, 2.0 * damping_rate
     (a11, a12, a13), (a21, a22, a23), (a31, a32, a33) = A
     (b11, b12, b13), (b21, b22, b23), (b31, b32, b33) = B
@@ -287,7 +285,7 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel(inlined=False)
 def fill_answer(frequency, damping_rate, exact, h, answer):
-    """Fill a mode's `answer_type` for a step `h` [s]; a damped mode's response is exact up to omega h = `exact`."""
+    """Compute a mode's response to a step `h` [s] in `answer`; damped modes respond exactly up to omega h = `exact`."""
     coefficients, phase = answer.coefficient, frequency * h
     for c in range(2 * DEFECTS):
         answer.defect[c] = 0.0
@@ -325,7 +323,7 @@ def side(end):
 
 @kernel
 def add_mode(shapes, frequency, answer, group, k, responses):
-    """Add the response of mode `k` of a group to the responses of the panel's ends."""
+    """Add the response `answer` of mode `k` of a mode group to the `responses` of the panel's ends."""
     for i in range(values_of(group)):
         for j in range(values_of(group)):
             product, row = shapes[i, k] * shapes[j, k], responses.response[group, i, j]
@@ -340,7 +338,7 @@ def add_mode(shapes, frequency, answer, group, k, responses):
 
 @kernel
 def join_groups(responses):
-    """Fill the responses of both ends to a load at the first end, by joining even and odd mode groups."""
+    """Compute in `responses.ends` both ends' response to a load at the first end, by joining even and odd groups."""
     for product, group, i, j in (
         (ALONG_ALONG, AXIAL_EVEN, 0, 0),
         (ACROSS_ACROSS, BENDING_EVEN, 0, 0),
@@ -357,7 +355,7 @@ def join_groups(responses):
 
 @kernel
 def keep_answer(tables, d, level, k, answer):
-    """Copy the response of mode `k` to a level of the tables of design `d`."""
+    """Copy the response `answer` of mode `k` to a level (step size) of the tables of panel design `d`."""
     coefficients = answer.coefficient
     for c in range(2 * COLUMNS):
         tables.free[d, level, k, c] = coefficients[c]
@@ -371,7 +369,7 @@ def keep_answer(tables, d, level, k, answer):
 
 @kernel(inlined=False)
 def fill_level(panels, tables, level, h):
-    """Fill one level of the tables of every design for the step size `h` [s]."""
+    """Compute the responses of every panel design to a step of `h` [s], and store them in a level of the tables."""
     answer = tables.answers[0]
     for d in range(panels.damping.size):
         responses = tables.responses[d, level]
@@ -396,7 +394,7 @@ def fill_level(panels, tables, level, h):
 
 @kernel
 def level_size(level):
-    """Return the tabled step size [s] of a level."""
+    """Return the step size [s] of a level, an index of the tabled step sizes."""
     return _SIZES[level]
 
 

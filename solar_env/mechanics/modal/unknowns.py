@@ -1,8 +1,8 @@
 """Unknown loads of a step, and their mobility: the motion at the stages that a unit of an unknown causes.
 
 A unit of an unknown loads the two bodies of its joint. By reciprocity, this unit load times the bodies' motion gives
-the motion on which the unknown does work: a joint angle, minus a depth, a sliding speed, or a relative velocity
-component.
+the motion on which the unknown does work: a joint angle, a negative penetration depth, a sliding speed, or a relative
+velocity component.
 """
 
 import math
@@ -51,20 +51,17 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.vectors import joined, load4, load8, splat8, store8
 
-# Greatest relative change of a torque by its own motion with which iterations converge without Newton's matrix.
-_SOFT = 0.05
+_SOFT = 0.05  # greatest relative change of a torque by its own motion at which iterations need no Newton matrix
 # Velocity error by a load's deviation from its polynomial at the start of a step, divided by the velocity that a
 # constant load of that size causes: at the stages the polynomial is exact, and its integral is of higher order.
 DEVIATION = 1.0 / 12.0
-# Least torque ratio of a cable loop in the tolerance for the inner wheel.
-_LEAST_RATIO = 1e-3
-# Step [s] below which Newton's matrix leaves out the effect of a joint's loads on other joints.
-_APART = 5e-4
+_LEAST_RATIO = 1e-3  # least torque ratio of a cable loop in the tolerance for the inner wheel
+_APART = 5e-4  # s, step below which Newton's matrix leaves out the effect of a joint's loads on other joints
 
 
 @kernel
 def effect_of_torque(model, tables, level, h, j):
-    """Return a step's greatest changes by a unit torque of joint `j`: angle [rad], velocity of its points [m/s]."""
+    """Return upper bounds of a unit torque's effects on joint `j` in a step: angle [rad], velocity of points [m/s]."""
     joint, angle, velocity = model.joints[j], 0.0, 0.0
     for face in range(2):
         attachment = model.attachments[joint.outboard if face == 0 else joint.inboard]
@@ -83,7 +80,7 @@ def effect_of_torque(model, tables, level, h, j):
 
 @kernel
 def list_unknown(model, work, r, kind, j, number):
-    """Enter load `number` of joint `j` as unknown `r`; return the number of unknowns so far."""
+    """Enter load `number` of joint `j` as unknown `r` in `work.unknowns`; return the number of unknowns so far."""
     unknown, joint = work.unknowns[r], model.joints[j]
     unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, j, number, 2
     unknown.attachment[0], unknown.attachment[1] = joint.outboard, joint.inboard
@@ -92,7 +89,7 @@ def list_unknown(model, work, r, kind, j, number):
 
 @kernel
 def list_loop(model, work, r, kind, c, number):
-    """Enter load `number` of cable loop `c` as unknown `r`; return the number of unknowns so far."""
+    """Enter load `number` of cable loop `c` as unknown `r` in `work.unknowns`; return the number of unknowns."""
     unknown = work.unknowns[r]
     unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, c, number, FACES
     for face in range(FACES):
@@ -102,9 +99,10 @@ def list_loop(model, work, r, kind, c, number):
 
 @kernel
 def list_rows(model, state, work, tables, level, h):
-    """List the unknowns of a step, and set the tolerances of torques; return the number of unknowns.
+    """List the unknowns of a step in `work.unknowns`, and set the tolerances of torques; return the unknowns' number.
 
-    A torque that a step hardly changes is not an unknown: every iteration evaluates it from the motion.
+    A torque that hardly changes by its own effect in a step is no unknown: every iteration evaluates it from the
+    motion.
     """
     n = 0
     for j in range(model.joints.size):
@@ -137,7 +135,7 @@ def list_rows(model, state, work, tables, level, h):
 
 @kernel
 def mark_blocks(work, n, h):
-    """Enter each unknown's block of Newton's matrix: all unknowns, or the unknowns of one joint in short steps."""
+    """Store which unknowns each block of Newton's matrix holds: all, or in short steps the unknowns of one joint."""
     apart = h < _APART
     for r in range(n):
         apart = apart and work.unknowns[r].faces < FACES and work.unknowns[r].kind < REACTION_X_ROW
@@ -156,7 +154,10 @@ def mark_blocks(work, n, h):
 
 @kernel
 def enter_load(model, work, number, fx, fy, torque, load):
-    """Write a force and a torque on an attachment to `load`, in its body's frame at the last stage."""
+    """Write a force (fx, fy) and a torque on an attachment to `load`, in its body's frame at the last stage.
+
+    The entries are the force along and across the body, the torque, and the moment about the centre of mass.
+    """
     turn, local = work.bodies[model.attachments[number].body].turn, work.attachments[number].local
     c, s = turn[0, LAST], turn[1, LAST]
     along, across = c * fx + s * fy, c * fy - s * fx
@@ -166,7 +167,7 @@ def enter_load(model, work, number, fx, fy, torque, load):
 
 @kernel
 def fill_unit_loads(model, work, n):
-    """Compute the unit loads of all unknowns on their bodies, in the bodies' frames at the last stage."""
+    """Compute in `work.unknowns` the unit loads on the bodies, in the bodies' frames at the last stage."""
     for r in range(n):
         unknown = work.unknowns[r]
         if unknown.faces == FACES:
@@ -193,7 +194,7 @@ def fill_unit_loads(model, work, n):
 
 @kernel
 def add_scaled(sums, gain, motion):
-    """Add `gain` times a motion at the stages (BY_LOAD,) to `sums`, one vector for the load at each stage."""
+    """Return `sums`, one vector for the load at each stage, plus `gain` times a motion at the stages (BY_LOAD,)."""
     first, second, third = sums
     first, second = first + gain * load8(motion, 0), second + gain * load8(motion, COLUMNS)
     return first, second, third + gain * load8(motion, 2 * COLUMNS)
@@ -201,7 +202,10 @@ def add_scaled(sums, gain, motion):
 
 @kernel
 def add_shared(work, model, tables, level, number, reading, other, opposite, sums):
-    """Add to `sums` the motion read off at an attachment, per unit of the `other` unknown at its face `opposite`."""
+    """Return `sums` plus one body's motion on which an unknown does work, per unit of the `other` unknown.
+
+    The unit load `reading` at attachment `number` measures the motion. The other unknown acts at its face `opposite`.
+    """
     attachment, loaded = model.attachments[number], model.attachments[other.attachment[opposite]]
     body, load = model.bodies[attachment.body], other.load[opposite]
     along, across = reading[0] * load[0], reading[1] * load[1]
@@ -220,9 +224,9 @@ def add_shared(work, model, tables, level, number, reading, other, opposite, sum
 
 @kernel
 def share_motion(model, work, tables, level, p, q, mutual):
-    """Fill the mobility: motion that unknown `p` reads off per unit of unknown `q` and, if `mutual`, the reverse.
+    """Compute in `work.mobility` the motion on which unknown `p` does work, per unit of unknown `q`.
 
-    Only bodies that both unknowns load contribute.
+    If `mutual`, copy it to the entry for `q` per unit of `p`. Only bodies that both unknowns load contribute.
     """
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
@@ -240,7 +244,7 @@ def share_motion(model, work, tables, level, p, q, mutual):
 
 @kernel
 def fill_mobility(model, work, tables, level, h, n):
-    """Compute the mobility of each unknown, per unit of each unknown in its block, at the stages."""
+    """Compute in `work.mobility` the motion on which each unknown does work, per unit of each unknown in its block."""
     fill_unit_loads(model, work, n)
     for k in range(STAGES):
         store8(work.rigid, COLUMNS * k, joined(h * h * load4(PLACE_BY_LOAD[k], 0), h * load4(VELOCITY_BY_LOAD[k], 0)))

@@ -25,7 +25,7 @@ def address_of(kernel: Any, *arguments: Any) -> int:
 
 
 def call_at(address: int, kernel: Any, *arguments: Any) -> Any:
-    """Call a kernel at its `address`, from `address_of` for the same argument types; in Python call `kernel` itself."""
+    """Call a kernel by an `address` from `address_of` for the same argument types; uncompiled, call `kernel` itself."""
     return kernel(*arguments)
 
 

@@ -12,7 +12,7 @@ Row = TypeVar("Row")
 
 
 def chosen_by_type(table: Mapping[type, Row], pick: Callable[[Row], Any]) -> Callable[[Any], Any]:
-    """Return a function that gives `pick(table[class])` for a named tuple's class, in kernels and in Python."""
+    """Return a function that maps a named tuple to `pick(table[its type])`, usable in kernels and in Python."""
 
     def find(value: Any) -> Any:
         return pick(table[type(value)])

@@ -14,7 +14,7 @@ def require(condition: bool, owner: object, name: str, value: object, rule: str)
 
 
 def require_signs(owner: object, positive: tuple[str, ...] = (), not_negative: tuple[str, ...] = ()) -> None:
-    """Check that some quantities of a description are positive, and others not negative."""
+    """Check that the fields of `owner` in `positive` are positive, and the fields in `not_negative` not negative."""
     for name in positive:
         require(getattr(owner, name) > 0.0, owner, name, getattr(owner, name), "must be positive")
     for name in not_negative:
@@ -22,14 +22,14 @@ def require_signs(owner: object, positive: tuple[str, ...] = (), not_negative: t
 
 
 def require_count(owner: object, name: str, least: int, greatest: int) -> None:
-    """Check that a quantity of a description is a whole number between two bounds."""
+    """Check that the field `name` of `owner` is a whole number from `least` to `greatest`."""
     value = getattr(owner, name)
     require(type(value) is int, owner, name, value, "must be a whole number")
     require(least <= value <= greatest, owner, name, value, f"must lie between {least} and {greatest}")
 
 
 def require_finite(owner: object, *skip: str) -> None:
-    """Check that the numbers of a description are finite, except the fields named in `skip`."""
+    """Check that all numbers in the fields of `owner` are finite, except in the fields named in `skip`."""
     for item in fields(owner):  # type: ignore[arg-type]
         value = getattr(owner, item.name)
         if item.name in skip:

@@ -1,7 +1,7 @@
 """Named tuples of arrays that a kernel takes from Python as one address.
 
-Numba unpacks other arguments array by array. For a mechanism's arrays, unpacking takes as long as some steps in every
-call, and the unpacking code takes seconds to compile.
+Numba unpacks other arguments array by array. For a mechanism's arrays, unpacking in every call takes as long as some
+integration steps, and the unpacking code takes seconds to compile.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ from numba.extending import NativeValue, intrinsic, overload, register_model, un
 
 
 class Handle:
-    """A nested named tuple of arrays and numbers in the form that kernels take; `arrays_of` returns the named tuple.
+    """Address through which kernels reach a nested named tuple of arrays and numbers; `arrays_of` returns the tuple.
 
     Attributes:
         arrays: the named tuple.
@@ -36,7 +36,7 @@ class Handle:
 
 
 def _describe(entry: Any, words: list[int], form: list[Any]) -> None:
-    """Append an entry's members in Numba's memory layout, 8 bytes each, to `words`; append its type's parts to `form`.
+    """Append an entry's values in Numba's memory layout, 8 bytes each, to `words`, and its type's parts to `form`.
 
     The layout's field for the owner of an array stays zero.
     """

@@ -40,7 +40,7 @@ def imported_files(path: Path) -> tuple[Path, ...]:
 
 
 def kernel_sources(path: Path) -> list[Path]:
-    """Return a file and all package files that it imports, directly or not: kernels compile in constants and types."""
+    """Return a file and all package files that it imports, directly or indirectly, on which its kernels depend."""
     found, waiting = set(), [path]
     while waiting:
         source = waiting.pop()
@@ -51,7 +51,7 @@ def kernel_sources(path: Path) -> list[Path]:
 
 
 def private_folder(path: Path) -> Path:
-    """Make a folder that only this user can write, or check an existing one.
+    """Make `path` a folder that only this user can write, or check an existing one; return `path`.
 
     Raises:
         OSError: if the folder cannot be made or written, or others can write to it: the cache's code is executed.
@@ -89,10 +89,9 @@ def cache_root() -> Path:
 
 @cache
 def cache_folder(path: Path) -> str:
-    """Return the cache folder for a source file's compiled kernels, named by a hash of all sources.
+    """Return the cache folder for a file's compiled kernels, named by a hash of the file and all files that it imports.
 
-    Raises:
-        OSError: as in `cache_root`.
+    Raise an OSError in the same cases as `cache_root`.
     """
     digest = hashlib.sha256()
     for source in kernel_sources(path):

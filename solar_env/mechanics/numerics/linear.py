@@ -68,7 +68,7 @@ def cholesky_factor(a, n):
 
 @kernel
 def cholesky_solve(a, n, b):
-    """Solve in place for `b` (n,) with the factor of `cholesky_factor`."""
+    """Replace `b` (n,) by the solution x of A x = b, with A's factor `a` from `cholesky_factor`."""
     for i in range(n):
         s = b[i]
         for k in range(i):
@@ -83,7 +83,7 @@ def cholesky_solve(a, n, b):
 
 @kernel(inlined=False)
 def lu_factor(a, n):
-    """Factor a[:n, :n], whose symmetric part must be positive definite, in place without pivoting; False if it is not.
+    """Factor a[:n, :n] in place without pivoting; its symmetric part must be positive definite, else return False.
 
     The diagonal is stored inverted. Two columns are eliminated at a time, which halves the reading and writing of rows.
     """
@@ -115,7 +115,7 @@ def lu_factor(a, n):
 
 @kernel(inlined=False)
 def lu_solve(a, n, b):
-    """Solve in place for `b` (n,) with the factors of `lu_factor`."""
+    """Replace `b` (n,) by the solution x of A x = b, with A's factors `a` from `lu_factor`."""
     for k in range(n):
         x = b[k]
         for i in range(k + 1, n):

@@ -94,7 +94,7 @@ def add_entry(elimination, matrix, i, j, value):
 
 
 def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64]:
-    """Return a profile matrix as a dense array by unknowns, with zero rows and columns for held unknowns."""
+    """Return a profile matrix as a dense array in order of the unknowns; held unknowns have zero rows and columns."""
     unknowns, blocks = elimination.position.size, elimination.first.size
     lower, upper, diagonal = (array.reshape(-1, BLOCK, BLOCK) for array in matrix)
     ordered = np.zeros((blocks, blocks, BLOCK, BLOCK))
@@ -112,21 +112,21 @@ def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64
 
 @kernel
 def enter(x, place, value):
-    """Set the entry of a vector (blocks, BLOCK) at a position; do nothing at the position -1 of held unknowns."""
+    """Set entry `place` of a vector `x` (blocks, BLOCK) to `value`; do nothing if `place` is -1 (held unknown)."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] = value
 
 
 @kernel
 def add_to(x, place, value):
-    """Add to the entry of a vector (blocks, BLOCK) at a position; do nothing at the position -1 of held unknowns."""
+    """Add `value` to entry `place` of a vector `x` (blocks, BLOCK); do nothing if `place` is -1 (held unknown)."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] += value
 
 
 @kernel
 def taken(x, place):
-    """Return the entry of a vector (blocks, BLOCK) at a position, or zero at the position -1 of held unknowns."""
+    """Return entry `place` of a vector `x` (blocks, BLOCK), or zero if `place` is -1, as for held unknowns."""
     return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
 
 
@@ -161,7 +161,7 @@ def _scale(block, inverse):
 def _invert(block, s0, s1, s2, s3):
     """Invert a block in place without exchange of pivots.
 
-    Return False if a pivot is not finite, or has lost all digits: it is tiny beside its original entry, `s0` to `s3`.
+    Return False if a pivot is not finite or has lost all digits, compared with its original entry (`s0` to `s3`).
     """
     sizes = (s0, s1, s2, s3)
     for p in range(BLOCK):
@@ -210,7 +210,7 @@ def profile_factor(elimination, matrix):
 
 @kernel
 def _times(block, x0, x1, x2, x3):
-    """Return the product of a block, stored row by row, and a vector."""
+    """Return the product of a block, stored row by row, and the vector (x0, x1, x2, x3)."""
     return (
         block[0] * x0 + block[1] * x1 + block[2] * x2 + block[3] * x3,
         block[4] * x0 + block[5] * x1 + block[6] * x2 + block[7] * x3,
@@ -233,7 +233,7 @@ def _transposed_times(block, x):
 
 @kernel(inlined=False)
 def profile_solve(elimination, matrix, b):
-    """Solve in place for `b` (blocks, BLOCK), in the order of elimination, with `profile_factor`'s factors."""
+    """Replace `b` (blocks, BLOCK), in elimination order, by the solution, with factors from `profile_factor`."""
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):

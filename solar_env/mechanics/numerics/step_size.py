@@ -22,10 +22,10 @@ class StepController(NamedTuple):
         proportional: weight of the step's own error; with 1 the next step aims at the tolerance.
         integral: weight of the previous step's error; 0 ignores it.
         least_error: lower bound of the step's own error in the rule.
-        least_share: least factor from a rejected step to the next try.
+        least_share: least ratio of the next trial step to a rejected step.
         most_growth: greatest factor from one step to the next.
         least_growth: factor below which the step size is kept, for methods in which a change costs much.
-        memory: least ratio of an error to the previous step's error, for errors that may pass through zero.
+        memory: least ratio of the error in use to the previous step's error, for estimates that may pass through zero.
     """
 
     order: float

@@ -49,7 +49,7 @@ def _widened(builder: Any, kind: Any, value: Any, width: int) -> Any:
 
 
 def _typed(function: Callable[..., Any], result: Callable[..., Any]) -> None:
-    """Register with the compiler the `result` type of a function, as a function of the argument types."""
+    """Register with Numba the type of a function's result; `result` computes it from the types of the arguments."""
     type_callable(function)(lambda context: result)
 
 

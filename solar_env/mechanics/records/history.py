@@ -8,13 +8,12 @@ from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import record_contact
 
-# Number of predicted durations for which a contact counts as an impact, which shorter steps resolve.
-IMPACT_DURATIONS = 2.0
+IMPACT_DURATIONS = 2.0  # number of predicted durations for which a contact counts as an impact, with shorter steps
 
 
 @kernel
 def end_contact(state, j, time, recorder):
-    """End the contact of joint `j` at a time [s], and record it."""
+    """End the contact of joint `j` at a time [s], and store its row in `recorder`."""
     joint_state = state.joints[j]
     record_contact(recorder, j, joint_state, state.integrals, time)
     joint_state.in_contact = 0
@@ -23,7 +22,7 @@ def end_contact(state, j, time, recorder):
 
 @kernel
 def note_force(joint_state, force, postlock):
-    """Raise those force maxima of a joint that a `force` [N] exceeds, with the post-lock maximum if `postlock`."""
+    """Update the force maxima in `joint_state` by a `force` [N]; the post-lock maximum only if `postlock` is true."""
     joint_state.contact_peak = max(joint_state.contact_peak, force)
     joint_state.peak_force = max(joint_state.peak_force, force)
     joint_state.recent_peak_force = max(joint_state.recent_peak_force, force)
@@ -33,7 +32,7 @@ def note_force(joint_state, force, postlock):
 
 @kernel(inlined=False)
 def latch(joints, state, j, time):
-    """Latch joint `j` for good at a `time` [s], which also sets the release times of joints that wait for it.
+    """Latch joint `j` for good at a `time` [s], and set the release times of joints that wait for this latching.
 
     The first latching starts the post-lock record of every joint.
     """
@@ -52,9 +51,9 @@ def latch(joints, state, j, time):
 
 @kernel
 def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
-    """Add the wear by the sliding work [J] of one accepted step to both surfaces of joint `j`.
+    """Add the wear that the sliding work [J] of one accepted step causes to both surfaces of joint `j`.
 
-    `journal` and `bearing` are arcs in the bodies' frames that the line of centres moved along: middle and half [rad].
+    The line of centres moved along the arcs `journal` and `bearing` (middle, half angle) [rad] in the bodies' frames.
     """
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
     worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width
@@ -65,7 +64,7 @@ def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
 
 @kernel
 def note_latch_torque(joint, joint_state, angle, rate):
-    """Record a joint's `rate` [rad/s] at its latching, and the greatest latch torque since then."""
+    """Update a latched joint's state: its `rate` [rad/s] at the latching, and its greatest latch torque since then."""
     if joint_state.latched:
         if math.isnan(joint_state.latch_rate):
             joint_state.latch_rate = rate
@@ -85,7 +84,7 @@ def release_stop(joint, joint_state, angle, rate):
 
 @kernel
 def next_release(state, end):
-    """Return the earliest time [s] at which a hold-down releases its joint, or `end` if that is earlier."""
+    """Return the time [s] at which the next hold-down releases its joint, or `end` if that is earlier."""
     for j in range(state.joints.size):
         if state.joints[j].held:
             end = min(end, state.joints[j].release_time)
@@ -115,14 +114,14 @@ def has_parted(joint_state, time, depth, rate):
 
 @kernel
 def parting_time(start, end, start_depth, depth):
-    """Return the time [s] at which surfaces parted in the step from `start` to `end` [s], linear in the depth."""
+    """Return the time [s] at which surfaces parted in the step from `start` to `end` [s], by linear interpolation."""
     share = start_depth / (start_depth - depth) if start_depth > 0.0 else 1.0
     return start + share * (end - start)
 
 
 @kernel
 def step_limit(state, settings):
-    """Return the greatest step [s] that the last error, the settings and present impacts allow."""
+    """Return the greatest step [s] that the error of the last step, the settings and present impacts allow."""
     joint_states, time = state.joints, state.clock[0].time
     limit = min(state.clock[0].step_size, settings.max_step)
     for j in range(joint_states.size):
@@ -137,7 +136,7 @@ def step_limit(state, settings):
 
 @kernel
 def fail(state, status, joint, value):
-    """Record the joint and the value that stop a call; return the status code."""
+    """Record in `state.clock` the joint and the value that stop a call; return the status code."""
     state.clock[0].failure_joint = joint
     state.clock[0].failure_value = value
     return status
@@ -145,7 +144,7 @@ def fail(state, status, joint, value):
 
 @kernel
 def check_joint(joint, state, j, depth, angle):
-    """Check that contact depth [m] and angle [rad] of joint `j` are in their ranges; return a status code."""
+    """Check that contact depth [m] and angle [rad] of joint `j` are in their ranges; return DONE or an error status."""
     if joint.kind == m.CLEARANCE and state.joints[j].in_contact and depth > joint.journal_radius:
         return fail(state, m.CONTACT_TOO_DEEP, j, depth)
     if joint.angle_limited and abs(angle - joint.middle) > 0.95 * math.pi:

@@ -26,7 +26,7 @@ class Recorder(NamedTuple):
 
 
 def sample_columns(model: Model, state: State) -> dict[str, slice]:
-    """Return the slices of a sample row: coordinates, velocities, loads by joint, stored energies, integrals."""
+    """Return the slices of a sample row by name: "q", "v", "loads" (of all joints), "energies" and "integrals"."""
     n, joints = state.q.size, model.joints.size
     sizes = {
         "q": n,
@@ -43,7 +43,7 @@ def sample_columns(model: Model, state: State) -> dict[str, slice]:
 
 
 def make_recorder(model: Model, state: State, times: NDArray[np.float64], contact_capacity: int) -> Recorder:
-    """Allocate a recorder for sample times [s] and for a number of contacts until the caller empties the table."""
+    """Allocate a recorder for sample times [s], with room for `contact_capacity` contacts between two emptyings."""
     columns = sample_columns(model, state)["integrals"].stop
     return Recorder(
         np.ascontiguousarray(times, dtype=np.float64),
@@ -77,7 +77,7 @@ def pause_due(recorder, time, joints):
 
 @kernel(inlined=False)
 def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a, multipliers, energies):
-    """Evaluate the loads at an (interpolated) state, and store one row of samples."""
+    """Evaluate loads and energies at an interpolated state, and store them as the next row of `recorder.samples`."""
     accelerations(model, joint_states, q, v, time, work, a, multipliers)
     stored_energies(model, joint_states, q, v, work.loads, energies)
     row = recorder.samples[recorder.filled[0]]
@@ -96,7 +96,7 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
 
 @kernel
 def record_contact(recorder, j, joint_state, integrals, end):
-    """Store the row of joint `j`'s contact that ends at the time `end` [s]."""
+    """Store joint `j`'s contact, which ends at the time `end` [s], as the next row of `recorder.contacts`."""
     if recorder.contacts.shape[0] == 0:
         return
     row = recorder.contacts[recorder.filled[1]]

@@ -22,8 +22,7 @@ from solar_env.mechanics.records.recording import Recorder, make_recorder, with_
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import STEPS_BETWEEN_LOOKS, STEPS_PER_CALL, Simulation
 
-# Least work [s] that each thread must have: waking a thread takes about as long.
-_WORK_FOR_A_THREAD = 1e-4
+_WORK_FOR_A_THREAD = 1e-4  # s, least work that each thread must have: waking a thread takes about as long
 _FEWEST_STEPS_PER_CALL = 1100  # fewest steps of a lane: more than the events at once after which a call gives up
 
 
@@ -89,10 +88,10 @@ class Batch:
             simulation.move_to(lane_view(self.models, lane), lane_view(self.states, lane))
 
     def replace(self, lane: int, simulation: Simulation) -> None:
-        """Put another simulation into a lane; the simulation before leaves with a copy of its arrays.
+        """Put another simulation into a lane; the previous simulation of the lane keeps a copy of its arrays.
 
         Raises:
-            ValueError: if the integrator or the structure of the mechanism differs.
+            ValueError: if its integrator or the structure of its mechanism differs from the batch's.
         """
         if simulation.integrator != self.integrator:
             raise ValueError(f"the batch integrates with {self.integrator}, not with {simulation.integrator}")
@@ -109,7 +108,7 @@ class Batch:
         self._last_steps[lane] = 0
 
     def record(self, recorder: Recorder) -> None:
-        """Record samples and contacts of a batch of one lane from now on.
+        """Record samples and contacts of a batch of one lane in `recorder` from now on.
 
         Raises:
             ValueError: if the batch has more lanes, whose samples would be mixed.
@@ -122,7 +121,7 @@ class Batch:
         """Advance some lanes to their end times, and check their accuracy every 10,000 steps.
 
         Args:
-            lanes: (k,) indices of lanes.
+            lanes: (k,) indices of lanes, the simulations of the batch.
             end_times: (lanes of the batch,) [s]; only the entries of `lanes` are used.
 
         Raises:
@@ -140,16 +139,16 @@ class Batch:
             raise failures[lane]
 
     def attempt(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> dict[int, SimulationError]:
-        """Advance some lanes to their end times; return the errors of lanes that cannot go on, by lane."""
+        """Advance some lanes to their end times [s]; return the errors of lanes that cannot go on, by lane number."""
         return self.run(advance_lanes, lanes, end_times)
 
     @cached_property
     def address(self) -> int:
-        """Address at which kernels call `advance_lanes` for these lanes."""
+        """Address in this process at which compiled code calls `advance_lanes` for the lanes of this batch."""
         return address_of(advance_lanes, *self._arguments(0, np.zeros(0, np.int64)), np.zeros(0))
 
     def run(self, kernel: Callable, lanes: NDArray[np.int64], *further: Any) -> dict[int, SimulationError]:
-        """Run a kernel on some lanes (k,), as `attempt` runs `advance_lanes`; return the errors by lane.
+        """Run a kernel on some lanes (k,), as `attempt` runs `advance_lanes`; return the errors by lane number.
 
         The kernel takes the arguments of `advance_lanes` up to `statuses`, then `further` ones. Every lane's status is
         DONE beforehand. The kernel is called again for lanes with status TOO_MANY_STEPS, or PAUSED because the contact
@@ -181,7 +180,7 @@ class Batch:
         return {lane: self.simulations[lane].failure(int(self._statuses[lane])) for lane in failed}
 
     def _run_once(self, kernel: Callable, queue: NDArray[np.int64], further: tuple[Any, ...], threads: int) -> None:
-        """Call a kernel in every thread, and wait until all calls have returned with an empty queue."""
+        """Call a kernel in `threads` threads that share one queue of lanes, and wait until all calls have returned."""
         self._counter[0] = 0
         start = time.perf_counter()
         helpers = [self._pool.submit(kernel, *self._arguments(thread, queue), *further) for thread in range(1, threads)]

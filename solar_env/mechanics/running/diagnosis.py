@@ -7,14 +7,11 @@ Each text names a quantity, its value and a remedy, and is empty if all is well.
 import warnings
 from typing import Any
 
-# Largest error of the energy balance, divided by the energy turned over in a run.
-LARGEST_ENERGY_SHARE = 0.01
-# Largest difference between multipliers and forces that hold the constraints, divided by the largest force.
-LARGEST_FORCE_SHARE = 0.1
+LARGEST_ENERGY_SHARE = 0.01  # largest error of the energy balance, divided by the energy turned over in a run
+LARGEST_FORCE_SHARE = 0.1  # largest error of multipliers as constraint forces, divided by the largest force
 # Largest ratio of the stiffness or shortening that a modal panel's second-order theory leaves out to what it keeps.
 LARGEST_MODAL_SHARE = 0.01
-# Stiffening by spin: rise of the squared frequency of a free beam's lowest mode, divided by the squared spin.
-SPIN_STIFFENING = 2.05
+SPIN_STIFFENING = 2.05  # rise of the squared frequency of a free beam's lowest mode, divided by the squared spin
 # Largest difference between a contact law's ratio of exit to entry speed and the requested restitution.
 LARGEST_RESTITUTION_ERROR = 0.05
 
@@ -24,7 +21,7 @@ class SimulationWarning(UserWarning):
 
 
 def warn(text: str) -> None:
-    """Warn with a text, unless the text is empty."""
+    """Issue a `SimulationWarning` with a text, unless the text is empty."""
     if text:
         # The caller's line would say nothing: the text names the fault.
         warnings.warn(text, SimulationWarning, stacklevel=2)
@@ -42,7 +39,7 @@ def shortcomings(run: Any) -> dict[str, str]:
 
 
 def energy_shortcoming(run: Any) -> str:
-    """Return a warning if the energy balance is off by too much, else an empty text."""
+    """Return a warning if the energy balance is off by over 1 % of the energy turned over, else an empty text."""
     residual, turnover = run.energy_book()
     if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:  # false for NaN
         return ""
@@ -114,9 +111,9 @@ def _tolerance_shortcoming(run: Any) -> str:
 
 
 def restitution_text(law: str, asked: float, given: float) -> str:
-    """Return a warning if a contact law does not give the requested coefficient of restitution, else an empty text.
+    """Return a warning if a contact law's exit-to-entry speed ratio, `given`, is far from the restitution `asked`.
 
-    Numbers in the text are rounded, so that Python shows the warning once for values that are nearly the same.
+    Otherwise the text is empty. It rounds numbers, so that Python shows the warning once for nearly equal values.
     """
     if abs(given - asked) <= LARGEST_RESTITUTION_ERROR:
         return ""

@@ -26,10 +26,8 @@ from solar_env.mechanics.running.errors import SimulationError, failure
 from solar_env.mechanics.running.trajectory import Trajectory, assemble, contact_table, energy_flows
 from solar_env.support.values import check_positive
 
-# Steps of a compiled call; Ctrl-C waits for the end of the call, some tenths of a second at most.
-STEPS_PER_CALL = 5000
-# Steps between accuracy checks of a run that advances call by call: a check takes as long as some hundred steps.
-STEPS_BETWEEN_LOOKS = 10_000
+STEPS_PER_CALL = 5000  # steps of a compiled call; Ctrl-C waits for its end, some tenths of a second at most
+STEPS_BETWEEN_LOOKS = 10_000  # steps between accuracy checks: a check takes as long as some hundred steps
 _MOST_SAMPLES = 10_000_000
 _CONTACTS_PER_DRAIN, _PROGRESS_CALLS = 4096, 20
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, least energy scale, for a mechanism that starts without energy
@@ -42,7 +40,7 @@ class Simulation:
     simulation gives the same results, bit for bit.
 
     Attributes:
-        integrator: settings of the method, which other settings for the same formulation may replace.
+        integrator: settings of the integration method; may be replaced by other settings for the same formulation.
         model, state: named tuples of arrays, of the formulation's classes.
     """
 
@@ -153,7 +151,7 @@ class Simulation:
     def advance(self, end_time: float, recorder: Recorder | None = None) -> None:
         """Advance the simulation to exactly `end_time` [s].
 
-        Accuracy is checked every 10,000 steps as by `check`; generalized-alpha's constraint forces, after every call.
+        Check accuracy every 10,000 steps (`check`), and generalized-alpha's constraint forces after every call.
 
         Raises:
             ValueError: if `end_time` is not finite or lies before the present time.
@@ -188,7 +186,7 @@ class Simulation:
         Warns:
             SimulationWarning: if the energy balance is off by more than 1 % of the energy turned over; if modal panels
                 bend or turn by more than their second-order theory holds for; if multipliers of generalized-alpha
-                differ from the constraint forces by more than 10 % of the largest force; if its fixed step does not
+                differ from the constraint forces by more than 10 % of the largest force; if a fixed step does not
                 resolve the latest impact of a joint; if a tolerance is too loose for single contacts.
         """
         self._steps_looked = int(self.state.clock["steps"][0])
@@ -202,7 +200,7 @@ class Simulation:
 
     @cached_property
     def _lane(self) -> tuple[Handle, Handle, dict[str, Handle]]:
-        """Handles of model and state as a batch of one, and handles of scratch arrays by the method's name."""
+        """Handles (addresses for compiled code): model and state as a batch of one, scratch arrays by method name."""
         return Handle(with_lane_axis(self.model)), Handle(with_lane_axis(self.state)), {}
 
     def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:
@@ -301,9 +299,9 @@ def simulate(
     Args:
         mechanism: mechanism to simulate.
         duration: simulated time [s].
-        integrator: defaults to `RungeKutta`.
+        integrator: settings of the integration method; None takes `RungeKutta`.
         output_step: time between samples [s]; independent of the integration step.
-        progress: function that is called with the simulated time [s] now and then; it does not affect the result.
+        progress: function that is called about 20 times with the simulated time [s]; it does not affect the result.
         metadata: further entries of the trajectory's metadata.
 
     Raises:

@@ -24,8 +24,7 @@ _STORED = tuple(name for name in m.ENERGY_NAMES if name != "gravity")
 _PUT_IN = (*(law.book for law in TORQUES if law.book and not law.lost), "external_work")
 _ENERGIES = "energies/"  # prefix of the energies' names in a file
 _COUNTS = ("steps", "rejected_steps", "evaluations", "factorizations", "stability_bound_steps")
-# Entries of the metadata that a summary shows.
-_COSTS_AND_LIMITS = (*_COUNTS, "slow_contacts", "creeping_share", "wall_time_s")
+_COSTS_AND_LIMITS = (*_COUNTS, "slow_contacts", "creeping_share", "wall_time_s")  # metadata that a summary shows
 
 # Row of a contact; its end time is nan while the contact lasts.
 contact_record = np.dtype([(name, np.int64 if name == "joint" else np.float64) for name in CONTACT_FIELDS])
@@ -42,18 +41,18 @@ class Trajectory:
         eccentricity: (nt, nj, 2) journal centre minus bearing centre; zero for ideal joints.
         penetration: (nt, nj) eccentricity minus clearance; negative is a gap.
         normal_force, tangential_force: (nt, nj) contact force on the journal; for an ideal joint, the reaction's
-            magnitude and zero. Samples inside linearly implicit steps follow an interpolant, which may show up to 10 N
-            for a journal that leans on its bearing with 0.2 N: after changes of the motor torque, in 0.02 % of the time
-            of quiet deployments. Samples inside steps of modal-radau follow the step's polynomial. Peak forces and
+            magnitude and zero. Samples inside linearly implicit steps are interpolated. After changes of the motor
+            torque they may show up to 10 N for a journal that leans on its bearing with 0.2 N, in 0.02 % of the time of
+            quiet deployments. Samples inside steps of modal-radau follow the step's polynomial. Peak forces and
             integrals are free of that error.
         joint_force: (nt, nj, 2) force on the outboard body.
         spring_torque, cable_torque, latch_torque, motor_torque, harness_torque, damping_torque, hinge_friction_torque:
             (nt, nj) torques on the joint angle; the latch torque is the torque of all stops.
-        energies: name -> (nt,); stored: kinetic, spring, cable, latch, contact, elastic, harness, gravity (of all
-            constant forces); put in: motor_work, cable_work (zero for a loop whose torque ratio is its wheel ratio),
-            external_work (of drives and load torques); lost: contact_dissipation, friction_dissipation,
-            latch_dissipation, damper_dissipation, hinge_friction_dissipation, material_dissipation; residual: stored -
-            initially stored - put in + lost.
+        energies: arrays (nt,) by name. Stored: kinetic, spring, cable, latch, contact, elastic, harness, gravity (of
+            all constant forces). Put in: motor_work, cable_work (zero for a loop whose torque ratio is its wheel
+            ratio), external_work (of drives and load torques). Lost: contact_dissipation, friction_dissipation,
+            latch_dissipation, damper_dissipation, hinge_friction_dissipation, material_dissipation. The error,
+            residual, is stored - initially stored - put in + lost.
         sliding_work, impulse: (nt, nj) integrals since t = 0 of normal force * |sliding speed|, and of the force.
         wear_journal, wear_bearing: (nj, bins) wear depth at the end, by angle in the frame of the surface's body.
         contacts: structured array of all contacts by end time; open contacts come last, with end_s = nan.
@@ -210,7 +209,7 @@ _BY_JOINT = (
 
 
 def _check(values: dict[str, Any]) -> None:
-    """Refuse entries whose types or shapes do not fit a trajectory."""
+    """Raise ValueError for entries whose types or shapes do not fit a trajectory."""
     if not isinstance(values["metadata"], dict):
         raise ValueError("its metadata are no mapping")
     energies, alone = values["energies"], {"metadata", "energies", "contacts"}
@@ -236,7 +235,7 @@ def _check(values: dict[str, Any]) -> None:
 
 
 def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return energies [J] put in and lost since t = 0, named as in `Trajectory`, from integrals (..., columns)."""
+    """Return two dictionaries of energies [J], put in and lost since t = 0, by name in `Trajectory`, from integrals."""
     totals = m.joint_integrals(integrals).sum(axis=-2)
     by_torques: list[dict[str, Any]] = [
         {law.book: totals[..., law.integral] for law in columns.TORQUES if law.book and law.lost == lost}

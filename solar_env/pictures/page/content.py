@@ -1,4 +1,4 @@
-"""Contents of a page as plain numbers, whatever computed them: motions, charts and tables."""
+"""Contents of an HTML page as plain data, independent of the simulator: motions, charts and tables."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,11 +11,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Motion of a deployment for a page: nt moments, nj joints.
+    """Motion of a deployment for an animated page, with nt times and nj joints.
 
     Attributes:
         name: name of the motion in words.
-        time: (nt,) moments, ascending [s].
+        time: (nt,) times, ascending [s].
         body: (nt, 4, 2) corners of the main body, in order round the body [m].
         panels: a polyline (nt, k, 2) for each panel, from its inner hinge to its tip [m].
         eccentricity: (nt, nj, 2) journal centre minus bearing centre, divided by clearance; zero for ideal joints.
@@ -64,7 +64,7 @@ class Chart:
         lines: lines of the chart.
         over_time: whether x is the time [s] that the slider moves.
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
-        polar: whether y is drawn round a circle; then `y` is the unit alone.
+        polar: whether y is drawn round a circle; the axis name `y` is then the unit alone.
         limits: limits of y; by default the lines set them.
         bars: names of positions 0, 1, 2, ... on the vertical axis, from the top, if lines are drawn as bars.
     """
@@ -96,7 +96,7 @@ class Page:
 
     Attributes:
         title: subject of the page.
-        answer: sentences at the top.
+        answer: sentences at the top, which state the result.
         motions: motions side by side, moved by one slider.
         charts, tables: charts and tables below the motions.
         notes: last lines, such as the command and the versions that made the page.

@@ -1,4 +1,4 @@
-"""Writer of a page as one HTML file that fetches nothing; compressed program and numbers save half of the size."""
+"""Writer of a page as one HTML file that needs no network; compressing program and numbers halves its size."""
 
 import base64
 import gzip
@@ -67,14 +67,14 @@ def _packed(text: str) -> str:
 
 
 def _numbers(values: ArrayLike) -> object:
-    """Convert values to nested lists of numbers with a few digits; numbers that are not finite become None."""
+    """Convert values to nested lists of numbers with six significant digits; nan and infinity become None."""
     array = np.asarray(values, dtype=float)
     flat = [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in array.ravel().tolist()]
     return np.array(flat, dtype=object).reshape(array.shape).tolist()
 
 
 def _motion(motion: Motion) -> dict[str, object]:
-    """Convert a motion to the page's data, with each polyline flattened to x, y, x, y, ..."""
+    """Convert a motion to a dictionary for the page's JSON data, with each polyline flattened to x, y, x, y, ..."""
     body, *panels = (
         _numbers(np.round(line.reshape(len(motion.time), -1), _PLACES)) for line in (motion.body, *motion.panels)
     )

@@ -1,4 +1,4 @@
-"""Sampling bands of means, by the bootstrap (B. Efron, Ann. Statist. 7 (1979) 1)."""
+"""Confidence intervals of means, by bootstrap resampling (B. Efron, Ann. Statist. 7 (1979) 1)."""
 
 import math
 
@@ -14,16 +14,16 @@ _RESAMPLES, _SEED = 2000, 0
 
 
 def resampled_means(values: Array) -> Array:
-    """Return the (resamples, ...) bootstrap means of (n, ...) values; calls with equal n draw the same members."""
+    """Return the means of bootstrap resamples (resamples, ...) of (n, ...) values; equal n gives the same resamples."""
     count = len(values)
     chosen = np.random.default_rng(_SEED).multinomial(count, np.full(count, 1.0 / count), size=_RESAMPLES)
     return np.asarray(np.tensordot(chosen / count, values, axes=1))
 
 
 def mean_band(values: Array) -> tuple[float, float, float]:
-    """Return the mean of (n,) values and the ends of its 95 % percentile bootstrap interval.
+    """Return the mean of (n,) values, and the low and high end of its 95 % percentile bootstrap interval.
 
-    The same values give the same interval. The results are nan without values, or if a value is nan.
+    The same values give the same interval. All three results are nan if there are no values, or a value is nan.
     """
     if len(values) == 0 or np.isnan(values).any():
         return math.nan, math.nan, math.nan

@@ -1,4 +1,4 @@
-"""Content of pages and films that show deployments: motions, scenes and charts, made from trajectories."""
+"""Content of web pages and films that show deployments: animations, frames and charts, made from trajectories."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -29,7 +29,7 @@ _DASHES = ("solid", "dash", "dot")
 
 
 def shown_samples(trajectory: Trajectory) -> Samples:
-    """Return the indices of the samples that a page shows: sparse until just before the first latching, then dense."""
+    """Return indices of the samples that a page shows: 50 ms apart, and 5 ms from 0.1 s before the first latching."""
     latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
     begin = latched.min() - _MARGIN if len(latched) else np.inf
     step = np.where(trajectory.time < begin, _SLOW, _FAST)
@@ -38,9 +38,9 @@ def shown_samples(trajectory: Trajectory) -> Samples:
 
 
 def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
-    """Return the (kept, joints) greatest contact force [N] from each shown sample to the next one.
+    """Return each joint's greatest contact force [N] from each sample index in `kept` to the next, as (kept, joints).
 
-    The recorded peak of a contact counts at the contact's sample of greatest force.
+    Samples may miss a contact's peak. Its recorded peak force counts, too, at the contact's sample of greatest force.
     """
     forces, contacts = trajectory.normal_force.copy(), trajectory.contacts
     begins = np.maximum(np.searchsorted(trajectory.time, contacts["start_s"]) - 1, 0)
@@ -52,7 +52,7 @@ def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
 
 
 def motion_of(trajectory: Trajectory, name: str) -> Motion:
-    """Make a page's motion record `name` from a trajectory, whose metadata hold the model and the parameters."""
+    """Return the animation that a page shows as `name`, from a trajectory whose metadata hold model and parameters."""
     kept = shown_samples(trajectory)
     body, panels = _lines(trajectory, kept)
     clearance = trajectory.clearance
@@ -70,7 +70,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
 
 
 def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
-    """Return the main body's corners (kept, 4, 2) and each panel's axis (kept, points, 2) at the `kept` samples [m]."""
+    """Return the main body's corners (kept, 4, 2) and each panel's axis (kept, points, 2) [m] at the samples `kept`."""
     parameters, model = compiled(trajectory)
     bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
     axes = [centreline(model, trajectory.coordinates[kept], body, 1) for body in bodies]
@@ -78,13 +78,13 @@ def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
 
 
 def _motors(trajectory: Trajectory) -> Array:
-    """Return the (nt, motors) torques [N m] of the motors that acted, or of the root's motor if no motor did."""
+    """Return the (nt, motors) torques [N m] of the motors that ever acted, or else of the root joint's motor."""
     turned = np.flatnonzero(trajectory.motor_torque.any(axis=0))
     return trajectory.motor_torque[:, turned if len(turned) else [0]]
 
 
 def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
-    """Make a film's scenes from a trajectory, one every `interval` [s], each with the history of peak forces so far."""
+    """Return a film's frames from a trajectory, one every `interval` [s], each with the peak forces up to its time."""
     times = np.arange(0.0, trajectory.time[-1] + 0.5 * interval, interval)
     kept = np.minimum(np.searchsorted(trajectory.time, times - 1e-9), len(trajectory.time) - 1)
     body, panels = _lines(trajectory, kept)
@@ -111,7 +111,7 @@ def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
 
 
 def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -> Table:
-    """Make a folded table of all parameters with values and units, and with the `ranges` of parameters to be drawn."""
+    """Return a collapsible table of all parameters with values and units, and with `ranges`, if any, for sampling."""
     known, drawn = units(), ranges or {}
     columns = ("parameter", "value", "unit", *(("drawn between",) if drawn else ()))
     rows = []
@@ -131,11 +131,11 @@ def _entered(value: object) -> str:
 
 
 def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
-    """Make the charts of the angles, forces, gaps, torques, energies and wear of deployments, given by name.
+    """Return charts of joint angles, contact forces, gaps, torques, energies and wear, for runs given by name.
 
-    A single deployment has a colour for each joint; several have a colour for each controller, a dash for each joint.
-    Forces and gaps jump from impact to impact, and the lines of several deployments would hide each other. Each of
-    several deployments therefore has one force line and one gap line: the greatest of all joints in each time window.
+    With one run, every joint has a colour. With several, every run (controller) has a colour, every joint a dash style.
+    Forces and gaps jump from impact to impact, and the lines of several runs would hide each other. Each of several
+    runs therefore has one line of forces and one of gaps: the greatest of all joints in each time window.
     """
     single = len(trajectories) == 1
 
@@ -179,7 +179,7 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
 
 
 def _shown(read: Callable[[Trajectory, Samples], Array]) -> Reading:
-    """Make a chart reading: the times of the shown samples, and the values that `read` returns at these samples."""
+    """Return a function from a trajectory to the times of `shown_samples` and the values of `read` at these samples."""
 
     def reading(trajectory: Trajectory) -> tuple[Array, Array]:
         kept = shown_samples(trajectory)
@@ -193,26 +193,26 @@ def _greatest(read: Callable[[Trajectory], Array]) -> Reading:
 
 
 def greatest_in_windows(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return the start times of windows, and the (windows, 1) greatest of the (n, joints) values in each window."""
+    """Return the start times [s] of 0.2 s windows, and the greatest of all (n, joints) values in each, (windows, 1)."""
     starts = np.flatnonzero(np.diff(np.floor(time / _WINDOW + 1e-6), prepend=-1.0))
     return time[starts], np.maximum.reduceat(values.max(axis=1, keepdims=True), starts)
 
 
 def _energies(trajectory: Trajectory, kept: Samples) -> Array:
-    """Return the (kept, 4) energies [J] at the `kept` samples: kinetic, spring, all stored, and lost energy."""
+    """Return (kept, 4) energies [J] at the sample indices `kept`: kinetic, spring, all stored and dissipated energy."""
     energies = trajectory.energies
     stored, lost = (np.sum([energies[part] for part in parts], axis=0) for parts in (STORED, DISSIPATED))
     return np.column_stack([energies["kinetic"], energies["spring"], stored, lost])[kept]
 
 
 def _worn(trajectory: Trajectory) -> tuple[Array, Array]:
-    """Return angles [deg] round the bearings, in the frames of their bodies, and wear depths [fm] at these angles."""
+    """Return (bins,) angles [deg] round a bearing, in its body's frame, and (bins, joints) wear depths there [fm]."""
     angles = np.linspace(0.0, 360.0, trajectory.wear_bearing.shape[1], endpoint=False)
     return angles, _FEMTOMETRES * trajectory.wear_bearing.T
 
 
 def _on_scale_of_forces(chart: Chart) -> Chart:
-    """Put a force chart on the films' logarithmic scale, to show soft and hard impacts; draw zero below the axis."""
+    """Return a force chart with the films' logarithmic axis, to show soft and hard impacts; zeros lie below it."""
     low, high = (10.0**decade for decade in FORCE_DECADES)
     limits = low, max(high, *(1.1 * float(line.y.max()) for line in chart.lines))
     lines = [replace(line, y=np.maximum(line.y, 0.63 * low)) for line in chart.lines]

@@ -1,4 +1,4 @@
-"""Drawing functions that the studies share, for axes, legends and saving; figures are drawn from tables alone."""
+"""Plotting functions that the studies share: axes, legends and saving. Plots are drawn from tables alone."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,7 +19,7 @@ _ENTRY = 1.9  # width of an entry of the legend [inch]
 
 
 def make_figure(rows: int, columns: int, size: tuple[float, float], entries: int) -> tuple[Figure, NDArray[Any]]:
-    """Make a figure with (rows, columns) axes, and room for a title above and a legend below.
+    """Return a Matplotlib figure and its (rows, columns) axes, with room for a title above and a legend below.
 
     Args:
         rows, columns: numbers of rows and columns of axes.
@@ -34,9 +34,9 @@ def make_figure(rows: int, columns: int, size: tuple[float, float], entries: int
 
 
 def use_decades(axis: Axes, which: str) -> None:
-    """Label a logarithmic axis, "x" or "y", at decades, and within decades where these are few.
+    """Label a logarithmic axis (`which`: "x" or "y") at powers of ten; if fewer than two are in view, also at 2 and 5.
 
-    Raised exponents would be too small to read where a page shows the figure at half its size.
+    Labels have no superscripts, which would be illegible where a page shows the figure at half its size.
     """
     scale, limits = (axis.xaxis, axis.get_xlim()) if which == "x" else (axis.yaxis, axis.get_ylim())
     low, high = np.log10(limits)
@@ -47,9 +47,9 @@ def use_decades(axis: Axes, which: str) -> None:
 
 
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:
-    """Write a figure made by `make_figure`, with `title` (its conclusion) above, and note and legend below.
+    """Save a figure of `make_figure` to `path`, with `title` (its conclusion) above, `note` and a legend below.
 
-    The same tables give the same file.
+    `looks` maps each legend entry to its line style. The same tables give the same file.
     """
     with mpl.rc_context(STYLE):
         handles = [Line2D([], [], linewidth=1.0, markersize=4, label=name, **look) for name, look in looks.items()]

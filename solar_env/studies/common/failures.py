@@ -1,4 +1,4 @@
-"""Failed simulations of an ensemble, which are left out, named and counted, up to a tenth of the runs."""
+"""Report of an ensemble's failed simulations, which are left out; at most a tenth of the runs may fail."""
 
 from collections.abc import Mapping
 
@@ -6,10 +6,10 @@ LARGEST_SHARE = 0.1
 
 
 def told(failures: Mapping[str, str], runs: int) -> str:
-    """State in one sentence which of `runs` runs failed and why, by name; return an empty text if every run succeeded.
+    """Return a sentence on which of `runs` runs failed and why; `failures` maps names to reasons; empty if all ran.
 
     Raises:
-        ValueError: if more than a tenth of the runs failed: the remaining runs would be a biased sample.
+        ValueError: if more than a tenth of the runs failed, because the remaining runs would be a biased sample.
     """
     if not failures:
         return ""

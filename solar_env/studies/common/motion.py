@@ -1,4 +1,4 @@
-"""Scenes and model levels that studies simulate; motions, which record a run of any program; and errors of motions."""
+"""Deployments and model levels that studies simulate; records of runs by any program; and errors of these records."""
 
 import math
 import warnings
@@ -22,9 +22,9 @@ SETTING_SHARE = 3e-3
 
 @dataclass(frozen=True)
 class Scene:
-    """A deployment to simulate, with any program, from the folded configuration."""
+    """A deployment from the folded configuration, to be simulated by this library or by another program."""
 
-    model: str  # model level as a word, see `ModelLevel`
+    model: str  # name of the model level, see `ModelLevel`
     parameters: ArrayParameters
     duration: float  # s
     sample_step: float  # time between sampled angles [s]
@@ -32,7 +32,7 @@ class Scene:
 
     @property
     def level(self) -> ModelLevel:
-        """The model level that the word `model` names."""
+        """The model level (kind of panels and joints) that the attribute `model` names."""
         return ModelLevel.of(self.model)
 
     @property
@@ -43,7 +43,7 @@ class Scene:
 
 
 def with_panels(model: str, panels: str) -> str:
-    """Return a model's name with other flexible panels, such as "6 elements"; a rigid model's name stays unchanged."""
+    """Return a model name with its flexible panels replaced by `panels`, such as "6 elements"; rigid stays rigid."""
     level = ModelLevel.of(model)
     return f"{level.name}:{panels}" if level.flexible else level.name
 
@@ -52,8 +52,8 @@ def with_panels(model: str, panels: str) -> str:
 class Motion:
     """Record of a run with nt samples and nj joints; a number that the program does not report is nan.
 
-    Totals (nj,) count from the first latching on: "peak_force_N", the greatest contact force or, with ideal joints,
-    the greatest reaction; "sliding_work_J"; and "impacts", the number of impacts. "wear_depth_m" counts the whole run.
+    `totals` maps names to (nj,) values. From the first latching on: "peak_force_N", the greatest contact force (with
+    ideal joints the greatest reaction), "sliding_work_J", and the number of "impacts". Whole run: "wear_depth_m".
     """
 
     time: Array  # (nt,) [s]
@@ -68,10 +68,10 @@ class Motion:
 
 
 def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
-    """Return a member's parameters, with release rates drawn uniformly within RELEASE_RATE of the nominal rates.
+    """Return an ensemble member's parameters: initial joint rates sampled uniformly within RELEASE_RATE of the nominal.
 
-    Varying a hinge's position would not do: the lasting contact during the deployment erases such differences, and all
-    members would be alike at the latching. Member 0 has the nominal parameters.
+    Member 0 has the nominal parameters. Moving a hinge slightly instead would not do: the lasting contact during the
+    deployment erases such differences, and all members would be alike at the latching.
     """
     rates = RELEASE_RATE * _deviations(member, len(parameters.joints))
     nominal = parameters.for_each_joint("initial_rate")
@@ -79,22 +79,22 @@ def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
 
 
 def perturbed_setting(value: float, member: int) -> float:
-    """Return a member's tolerance or step, uniform within SETTING_SHARE of `value`; member 0 has `value` itself."""
+    """Return a tolerance or step, varied at random by a fraction SETTING_SHARE at most; member 0 has `value` itself."""
     return value * (1.0 + SETTING_SHARE * float(_deviations(member, 1, stream=1)[0]))
 
 
 def _deviations(member: int, count: int, stream: int = 0) -> Array:
-    """Draw (count,) random numbers in [-1, 1], seeded by member and stream; zeros for member 0."""
+    """Return (count,) random numbers in [-1, 1], seeded by ensemble member and stream; zeros for member 0."""
     return np.random.default_rng([member, stream]).uniform(-1.0, 1.0, count) * (member > 0)
 
 
 @dataclass(frozen=True)
 class Level:
-    """A level of the model, simulated with its default integrator.
+    """A model level with a tolerance, simulated with the level's default integrator.
 
     Attributes:
-        model: the level as a word, see `ModelLevel`.
-        tighter: divisor of the integrator's tolerance.
+        model: name of the model level, such as "flexible-clearance:32 modes", see `ModelLevel`.
+        tighter: divisor of the integrator's default tolerance.
     """
 
     model: str
@@ -107,21 +107,21 @@ class Level:
 
     @property
     def panels(self) -> ModelLevel:
-        """The model level, without the tolerance, that the word `model` names."""
+        """The `ModelLevel` that the attribute `model` names, without the tolerance."""
         return ModelLevel.of(self.model)
 
     @property
     def name(self) -> str:
-        """Model, panels and tolerance of the level in words."""
+        """Model, panels and tolerance in words, such as "flexible-clearance, 32 modes" or "rigid-ideal"."""
         return f"{self.panels.name}, {self.size}" if self.panels.flexible else self.panels.name
 
     def integrator(self, member: int = 0) -> RungeKutta:
-        """Return the default integrator at this level's tolerance, slightly varied for an ensemble member."""
+        """Return the model's default integrator with this level's tolerance, slightly varied for a member above 0."""
         default = default_integrator(self.model)
         return replace(default, rtol=perturbed_setting(default.rtol, member) / self.tighter)
 
     def deploy(self, parameters: ArrayParameters, member: int, duration: float, output_step: float) -> Trajectory:
-        """Simulate an ensemble member's deployment at this level, with parameters from `perturbed`.
+        """Simulate ensemble member `member` (see `perturbed`) for `duration` [s], sampled every `output_step` [s].
 
         Raises:
             SimulationError: if the run cannot go on.
@@ -140,7 +140,7 @@ FINEST = Level("flexible-clearance:48 modes", tighter=10.0)
 
 
 def run_ours(scene: Scene, integrator: Integrator) -> Motion:
-    """Simulate a scene with one of our integrators.
+    """Simulate a scene with one of this library's integrators, and suppress the library's warnings.
 
     Raises:
         SimulationError: if the run cannot go on.
@@ -153,7 +153,7 @@ def run_ours(scene: Scene, integrator: Integrator) -> Motion:
 
 
 def from_trajectory(trajectory: Trajectory) -> Motion:
-    """Convert a trajectory of our simulator to a motion record."""
+    """Convert a trajectory of this library's simulator to a `Motion` record."""
     latched = np.nanmin([*trajectory.latch_times, math.inf])
     late = trajectory.contacts[trajectory.contacts["start_s"] > latched]
     return Motion(
@@ -187,7 +187,7 @@ def angle_error(motion: Motion, reference: Motion, until: float) -> float:
 
 
 def latch_error(motion: Motion, reference: Motion) -> float:
-    """Return the greatest error of the latch times [s]: inf if a latching is missing, nan if no joint should latch."""
+    """Return the greatest error of latch times [s]: inf if one is missing, nan if the reference has no latching."""
     expected = np.isfinite(reference.latch_times)
     if not expected.any():
         return math.nan
@@ -196,7 +196,7 @@ def latch_error(motion: Motion, reference: Motion) -> float:
 
 
 def force_error(motion: Motion, reference: Motion) -> float:
-    """Return the greatest relative error of a joint's post-latch peak force; nan if the reference has no such force."""
+    """Return the greatest relative error of a joint's peak force after latching; nan if the reference has no force."""
     right = reference.totals["peak_force_N"]
     errors = np.abs(motion.totals["peak_force_N"] / np.where(right > 0.0, right, math.nan) - 1.0)
     return math.nan if np.isnan(errors).all() else float(np.nanmax(errors))

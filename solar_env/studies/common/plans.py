@@ -1,4 +1,4 @@
-"""Plans of the charts: extent of the measurements, in full or in two minutes."""
+"""Extent of the measurements of speed against accuracy: a full plan, and a plan of two minutes."""
 
 from dataclasses import dataclass, replace
 
@@ -37,7 +37,7 @@ SHORT_LEVELS = (
 
 @dataclass(frozen=True)
 class ChartPlan:
-    """Scenes that a chart simulates, and the numbers of settings, repeats and ensemble members."""
+    """Deployments that are simulated for the charts, and numbers of settings, repeats and ensemble members."""
 
     models: tuple[str, ...] = MODELS
     parameters: ArrayParameters = PARAMETERS
@@ -52,7 +52,7 @@ class ChartPlan:
     side_duration: float = 30.0  # duration of the deployments that are timed side by side [s]
 
     def deployment(self, model: str) -> Scene:
-        """Make the scene of a model's deployment, which ends shortly after the latching."""
+        """Return the record of a model's deployment to simulate; the deployment ends shortly after the latching."""
         return Scene(with_panels(model, self.panels), self.parameters, self.duration, self.before_latch / 120.0)
 
 

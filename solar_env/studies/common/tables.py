@@ -35,7 +35,7 @@ class Table:
     provenance: Mapping[str, str]
 
     def where(self, **cells: Cell) -> Table:
-        """Return the table of those rows whose named cells have the given values."""
+        """Return a table of the rows whose cells equal the given values, such as `where(model="rigid-ideal")`."""
         kept = (row for row in self.rows if all(row[name] == value for name, value in cells.items()))
         return Table(tuple(kept), self.provenance)
 
@@ -43,7 +43,7 @@ class Table:
         """Return the (rows,) numbers of one column.
 
         Raises:
-            ValueError: as in `number`.
+            ValueError: if a cell of the column is not a number.
         """
         return np.array([number(row, name) for row in self.rows], dtype=float)
 
@@ -53,7 +53,7 @@ class Table:
 
 
 class _Read(dict[str, Cell]):
-    """A row of a file, or the file's provenance; the error for a missing entry names the file."""
+    """A row of a table file, or its provenance, as a dictionary; the error for a missing key names the file."""
 
     def __init__(self, file: Path, cells: Iterable[tuple[str, Cell]] = ()) -> None:
         super().__init__(cells)
@@ -77,7 +77,7 @@ def number(row: Mapping[str, Cell], name: str) -> float:
 
 
 def provenance(command: str, **settings: object) -> dict[str, str]:
-    """Return a table's provenance: command, settings, versions and kind of machine; no names of users or hosts."""
+    """Return a table's provenance: command, settings, software versions, kind of machine, but no user or host names."""
     return {
         "command": command,
         **{name: str(value) for name, value in settings.items()},
@@ -87,7 +87,7 @@ def provenance(command: str, **settings: object) -> dict[str, str]:
 
 
 def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping[str, str]) -> None:
-    """Write rows with the same columns as a CSV file; its first lines, each `# name: value`, are the provenance.
+    """Write rows with the same columns to a CSV file; its first lines, `# name: value`, hold the provenance `made_by`.
 
     Raises:
         ValueError: if a row has a column that the first row lacks.

@@ -1,4 +1,4 @@
-"""Timing of a study's runs: all once, then all again, so that disturbances of the machine affect all alike."""
+"""Timing of a study's runs: each once, then each again, so that disturbances of the machine affect all alike."""
 
 import math
 import statistics
@@ -39,15 +39,16 @@ class Measured:
         return statistics.median(self.walls) if self.walls else math.nan
 
     def times(self) -> Row:
-        """Return the number of repeats and their median, least and greatest time, as cells of a table."""
+        """Return table cells: the number of timings, and their median, least and greatest wall time [s]."""
         least, greatest = min(self.walls, default=math.nan), max(self.walls, default=math.nan)
         return {"repeats": len(self.walls), "wall_s": self.wall, "wall_min_s": least, "wall_max_s": greatest}
 
 
 def measure(jobs: Mapping[Key, Job], announce: Callable[[str], None] = lambda name: None) -> dict[Key, Measured]:
-    """Run every job once, after calling `announce` with its name, then repeat each job up to its number of repeats.
+    """Run every job once, then repeat each up to its number of repeats; return motions and times by the jobs' keys.
 
-    Linear algebra gets one thread: with small matrices a second thread gains nothing, and waits for a busy processor.
+    `announce` is called with each job's name before its first run. Linear algebra gets one thread: with small matrices
+    a second thread gains nothing, and waits for a busy processor.
     """
     results = {key: Measured() for key in jobs}
     with threadpool_limits(1):

@@ -1,5 +1,5 @@
-"""Design studies of an array: maps of one or two parameters, and a search of several, by the figures of `loads`.
+"""Design studies of an array: a grid over one or two parameters, or a search over several, by quantities of `loads`.
 
-`plan` states the question, `points` measures designs at the level that answers it, `search` finds the best design,
+`plan` states the question, `points` simulates designs at a sufficient model level, `search` finds the best design, and
 `plot` draws the designs. Imports `loads` and `common`.
 """

@@ -22,25 +22,25 @@ _COMPARISONS = {"<": operator.lt, ">": operator.gt}
 
 @dataclass(frozen=True)
 class Condition:
-    """Bound on a quantity, in the unit in which it is printed."""
+    """Condition on a quantity: a lower (">") or upper ("<") bound, in the unit in which the quantity is printed."""
 
     quantity: str
     comparison: str  # "<" or ">"
     bound: float
 
     def __str__(self) -> str:
-        """State the condition with its unit."""
+        """Return the condition as text with its unit, such as "latch_time < 30 s"."""
         return f"{self.quantity} {self.comparison} {self.bound:g} {QUANTITIES[self.quantity].unit}".rstrip()
 
     def excess(self, value: float) -> float:
-        """Return the share of the bound by which a value misses the bound; 0 where the condition holds."""
+        """Return the distance of a value from the bound, as a fraction of the bound; 0 if the condition holds."""
         if _COMPARISONS[self.comparison](value, self.bound):
             return 0.0
         return abs(value - self.bound) / max(abs(self.bound), 1e-12)
 
 
 def parse_condition(text: str) -> Condition:
-    """Read a condition such as "latch_time < 30"; spaces in the name may stand for underscores.
+    """Parse a condition such as "latch_time < 30"; the quantity's name may have spaces instead of underscores.
 
     Raises:
         ValueError: The condition cannot be read, or the quantity is unknown.
@@ -56,7 +56,7 @@ def parse_condition(text: str) -> Condition:
 
 
 def quantity_name(text: str) -> str:
-    """Return the name of a quantity; spaces in `text` may stand for underscores.
+    """Return `text` with underscores instead of spaces, and check that it names a quantity.
 
     Raises:
         ValueError: The quantity is unknown.
@@ -68,7 +68,7 @@ def quantity_name(text: str) -> str:
 
 @dataclass(frozen=True)
 class Change:
-    """Parameter that may change between two ends; the ends are factors if the parameter differs from joint to joint."""
+    """Parameter and its range; with `factor`, `low` and `high` multiply present values that differ between joints."""
 
     name: str
     low: float
@@ -77,22 +77,22 @@ class Change:
 
     @property
     def label(self) -> str:
-        """Name for a table or an axis."""
+        """Label in a table or on a plot's axis: the parameter's name, followed by "times" for factors."""
         return f"{self.name} times" if self.factor else self.name
 
     @property
     def logarithmic(self) -> bool:
-        """True if values are spaced by ratio."""
+        """True if values are spaced logarithmically, because the range spans a factor of ten or more."""
         return self.low > 0.0 and self.high / self.low >= _FACTOR
 
     def value(self, share: float) -> float:
-        """Return the value at a share of the way from the low to the high end."""
+        """Return the value at the fraction `share` (0 to 1) of the range, on a linear or logarithmic scale."""
         if self.logarithmic:
             return float(f"{self.low * (self.high / self.low) ** share:.4g}")
         return float(f"{self.low + share * (self.high - self.low):.4g}")
 
     def share(self, value: float) -> float:
-        """Return the share of the way at which a value lies (the inverse of `value`), clipped to 0 and 1."""
+        """Return the fraction of the range, from 0 to 1, at which a value lies: the inverse of `value`, clipped."""
         if self.logarithmic:
             share = np.log(max(value, self.low) / self.low) / np.log(self.high / self.low)
         else:
@@ -105,15 +105,15 @@ class DesignPlan:
     """Question that a design study answers.
 
     Attributes:
-        array: Parameters, and ranges of those that are drawn.
+        array: Parameters, and ranges from which some are sampled.
         change: Ranges (low, high), by name, of the parameters that may change; None for the usual range.
         keep: Conditions that must hold at the joint where the quantity is greatest.
         least: Quantity to minimise, at the joint where it is greatest.
-        members: Number of runs that a design is judged by.
+        members: Number of ensemble members (runs) that are simulated for a design.
         points: Number of designs to try.
 
     Raises:
-        ValueError: On construction, for a change that its parameter cannot take, or a count that is not positive.
+        ValueError: On construction, if a parameter cannot take its range or be changed, or a count is not positive.
     """
 
     array: ParameterFile
@@ -138,22 +138,22 @@ class DesignPlan:
 
     @cached_property
     def changes(self) -> tuple[Change, ...]:
-        """Parameters that may change, with their ranges."""
+        """The parameters that may change, with given or usual ranges."""
         return tuple(_change(self.array.parameters, name, given, self.deadline) for name, given in self.change.items())
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Quantities asked for: first the quantity to minimise."""
+        """Names of the quantities to compute: first the quantity to minimise, then the conditions' quantities."""
         return tuple(dict.fromkeys([self.least, *(condition.quantity for condition in self.keep)]))
 
     @property
     def deadline(self) -> float:
-        """Time by which all joints must have latched [s]."""
+        """Time by which all joints must have latched [s]: the least bound on "latch_time" in `keep`, or DEADLINE."""
         bounds = [c.bound for c in self.keep if c.quantity == "latch_time" and c.comparison == "<" and c.bound > 0.0]
         return min(bounds, default=DEADLINE)
 
     def parameters(self, values: Mapping[str, float]) -> ArrayParameters:
-        """Return the array with some values of the parameters that may change.
+        """Return the array's parameters, changed by `values` (name -> value, or factor on the present values).
 
         Raises:
             ValueError: The array refuses a value.
@@ -167,7 +167,7 @@ class DesignPlan:
         )
 
     def today(self) -> dict[str, float]:
-        """Return the array's present values of the parameters that may change; factors are 1."""
+        """Return the present values, by name, of the parameters that may change; 1 if changed by a factor."""
         return {
             change.name: 1.0 if change.factor else float(self.array.parameters.entries(change.name)[0])
             for change in self.changes

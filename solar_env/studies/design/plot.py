@@ -1,4 +1,4 @@
-"""Picture of designs: a map of two parameters, or the figure against each parameter."""
+"""Plot of designs: a map over two parameters, or the minimised quantity against each parameter."""
 
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from solar_env.support.files import save_figure
 
 
 def draw_design(design: Design, path: Path) -> None:
-    """Draw the designs to a file: crosses mark designs that fail, a frame marks the best design."""
+    """Plot the minimised quantity of all designs to a file; crosses mark designs that fail, a frame the best design."""
     plan, quantity = design.plan, QUANTITIES[design.plan.least]
     what = f"{quantity.name} [{quantity.unit}]"
     two = len(plan.changes) == 2
@@ -40,7 +40,7 @@ def draw_design(design: Design, path: Path) -> None:
 
 
 def _draw_map(axis: Axes, design: Design) -> None:
-    """Draw the figure of every combination of two parameters."""
+    """Draw a map of the minimised quantity over the two parameters, with its value at every combination."""
     x, y = design.plan.changes
     columns, rows = (sorted({point.values[change.name] for point in design.points}) for change in (x, y))
     values, failing = np.full((len(rows), len(columns)), np.nan), []
@@ -66,7 +66,7 @@ def _draw_map(axis: Axes, design: Design) -> None:
 
 
 def _draw_over(axis: Axes, design: Design, name: str) -> None:
-    """Draw the figure of all designs against one parameter; designs without a figure stand at the foot of the axes."""
+    """Plot the minimised quantity against parameter `name`; designs without a value lie on the lower edge."""
     (change,) = (change for change in design.plan.changes if change.name == name)
     least = design.plan.least
     look: dict[str, Any] = {"linestyle": "", "markersize": 4.0}

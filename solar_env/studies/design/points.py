@@ -1,4 +1,4 @@
-"""Measurement of designs by an ensemble each, at the cheapest level of the model that answers the array's question."""
+"""Measurement of each design by an ensemble of runs, at the cheapest model level that is accurate for the array."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,23 +16,23 @@ from solar_env.support.campaigns import Campaign, Cell
 
 STORE = "design.jsonl"
 WINDOW = 10.0  # s; time simulated after the last latching
-TOLERANCE = 0.1  # relative error of a figure within which a level answers
-# Levels from the cheapest; modes take no fittings.
+TOLERANCE = 0.1  # greatest relative error of a quantity at an accurate model level
+# Model levels from the cheapest; modal panels take no fittings (point masses).
 CANDIDATES = ("rigid-clearance", "flexible-clearance:8 modes", "flexible-clearance")
 WITH_FITTINGS = ("rigid-clearance", "flexible-clearance:4 elements")
 
 
 @dataclass(frozen=True)
 class Point:
-    """A design and its figures.
+    """A design with its simulated quantities.
 
     Attributes:
-        values: Values of the parameters that may change.
-        figures: Mean over the members by quantity, at the joint where the quantity is greatest, in the printed unit;
-            nan where a member failed.
-        scatter: Standard error of the quantity to minimise.
-        failing: Reason why the design is no answer; empty where it is an answer.
-        excess: Sum of the shares by which conditions are missed; inf where the figures are unknown.
+        values: Values, by name, of the parameters that may change.
+        figures: By quantity, the mean over the ensemble members of the greatest magnitude among the joints, in the
+            printed unit; nan if a member failed.
+        scatter: Standard error of the mean of the quantity to minimise.
+        failing: Reason why the design is not acceptable; empty if it is.
+        excess: Sum of `Condition.excess` over all conditions; inf if the quantities are unknown.
     """
 
     values: Mapping[str, float]
@@ -43,7 +43,7 @@ class Point:
 
 
 class Bench:
-    """Bench that measures designs on `workers` processes; an interrupted study goes on from the results in `folder`."""
+    """Runner that simulates designs on `workers` processes; results in `folder` let an interrupted study continue."""
 
     def __init__(self, plan: DesignPlan, folder: Path, workers: int, console: Console) -> None:
         self.plan, self._store, self._workers, self._console = plan, folder / STORE, workers, console
@@ -51,9 +51,10 @@ class Bench:
         self.finest = self._loads.levels[1]
 
     def level(self) -> tuple[Level, str]:
-        """Choose the cheapest level whose figures of the present array are right within TOLERANCE, and say how right.
+        """Choose the cheapest model level whose quantities, for the present array, are near the finest level's.
 
-        If the present array fails, take the level of `loads`.
+        Return the level and the reason in words. "Near" means within TOLERANCE. If the present array fails at the
+        finest level, the level is the default of `loads`.
         """
         levels = [*map(Level, WITH_FITTINGS if self.plan.array.parameters.panel_masses else CANDIDATES)]
         results = self.measured([(self.plan.today(), level, 0) for level in (*levels, self.finest)], "levels")
@@ -69,7 +70,10 @@ class Bench:
         return self.finest, f"no cheaper one is within {TOLERANCE:.0%} of it"
 
     def measured(self, asked: Sequence[tuple[Mapping[str, float], Level, int]], what: str = "") -> list[Point]:
-        """Measure designs, each given as (values, level, members to skip), under a progress bar that says `what`."""
+        """Simulate designs, each given as (values, level, number of ensemble members to skip), and return their points.
+
+        `what` labels a progress bar; without a label there is no bar.
+        """
         cells: list[list[Cell]] = []
         for values, level, first in asked:
             members = range(first + 1, first + self.plan.members + 1)

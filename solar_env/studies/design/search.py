@@ -1,4 +1,4 @@
-"""Search of the best design: a grid over one or two parameters, or CMA-ES over several."""
+"""Search for the best design: a grid over one or two parameters, or CMA-ES over more."""
 
 import itertools
 from collections import Counter
@@ -20,13 +20,13 @@ MAPPED = 2  # greatest number of parameters of which all combinations are tried
 
 @dataclass(frozen=True)
 class Design:
-    """Answer of a design study.
+    """Result of a design study.
 
     Attributes:
-        level, reason: Level at which designs were compared, and the reason for it.
+        level, reason: Model level at which designs were compared, and why it was chosen.
         today, points: The present array, and all designs tried.
         best: The best design that keeps all conditions; None where every design fails.
-        confirmed: The best design, measured with fresh members at the finest level; None without a best design.
+        confirmed: The best design, simulated with other ensemble members at the finest level; None if `best` is None.
     """
 
     plan: DesignPlan
@@ -39,7 +39,7 @@ class Design:
 
 
 def find_design(bench: Bench, seed: int, progress: bool) -> Design:
-    """Try designs, and confirm the best one with fresh members at the finest level."""
+    """Search for the best design, and simulate it again with other ensemble members at the finest model level."""
     plan = bench.plan
     level, reason = bench.level()
     (today,) = bench.measured([(plan.today(), level, 0)])
@@ -56,14 +56,14 @@ def find_design(bench: Bench, seed: int, progress: bool) -> Design:
 
 
 def _grid(plan: DesignPlan) -> list[dict[str, float]]:
-    """Return all combinations of values, the last parameter running fastest."""
+    """Return all combinations of evenly spaced parameter values; the last parameter varies fastest."""
     count = max(2, round(plan.points ** (1.0 / len(plan.changes))))
     axes = [[change.value(share) for share in np.linspace(0.0, 1.0, count)] for change in plan.changes]
     return [dict(zip(plan.change, values, strict=True)) for values in itertools.product(*axes)]
 
 
 def _searched(bench: Bench, level: Level, today: Point, seed: int, progress: bool) -> list[Point]:
-    """Search by CMA-ES, and return the designs tried; any design that misses a condition costs more than all others."""
+    """Search by CMA-ES, and return all designs tried; a design that fails costs more than every acceptable design."""
     plan, tried = bench.plan, []
     scale = today.figures[plan.least] if np.isfinite(today.figures[plan.least]) else 1.0
 
@@ -83,7 +83,7 @@ def _searched(bench: Bench, level: Level, today: Point, seed: int, progress: boo
 
 
 def row_of(plan: DesignPlan, point: Point) -> Row:
-    """Return the row of a table: values, figures in their printed units, and the reason why the design is no answer."""
+    """Return a design's table row: parameter values, quantities in printed units, and the reason if it fails."""
     names = {change.name: change.label for change in plan.changes}
     row: Row = {names[name]: value for name, value in point.values.items()}
     for name in plan.quantities:
@@ -92,7 +92,7 @@ def row_of(plan: DesignPlan, point: Point) -> Row:
 
 
 def answer(design: Design) -> list[str]:
-    """State the best design beside the present array, the failing designs, and the runs that the answer rests on."""
+    """Return sentences on the best design beside the present array, the failing designs, and the underlying runs."""
     plan, best, confirmed = design.plan, design.best, design.confirmed
     least, labels = QUANTITIES[plan.least], {change.name: change.label for change in plan.changes}
     lines = []

@@ -1,8 +1,7 @@
 """Measurement of all model levels: the error of each level for each question of the ladder, and the level's cost.
 
-Every level deploys on springs alone and under fixed controllers. Its answers are compared with a reference level's.
-
-The comparison is between ensemble means. A member of the ensemble has the same perturbation at all levels, so that
+At every level the array deploys on springs alone and under fixed controllers. Ensemble means of the results are
+compared with a finer reference level's means. Every ensemble member has the same perturbation at all levels, so that
 common scatter cancels. The error bands are bootstrap bands over the members (B. Efron, Ann. Statist. 7 (1979) 1),
 widened for small ensembles (T. C. Hesterberg, Am. Stat. 69 (2015) 371, doi:10.1080/00031305.2015.1089789).
 """
@@ -58,10 +57,10 @@ class Outcome:
 
 
 def deploy(level: Level, member: int, duration: float) -> Outcome:
-    """Deploy an ensemble member on its springs alone for `duration` [s].
+    """Simulate an ensemble member's deployment on springs alone for `duration` [s].
 
     Returns:
-        Answers to all questions except the ranking of controllers.
+        Answers to all questions except the ranking of controllers, and the cost.
 
     Raises:
         ValueError: if a joint has not latched.
@@ -85,11 +84,11 @@ def deploy(level: Level, member: int, duration: float) -> Outcome:
 
 
 def control(level: Level, member: int, window: float) -> Outcome:
-    """Deploy an ensemble member under every controller, each time until `window` [s] after the last latching.
+    """Simulate an ensemble member under every controller, each time until `window` [s] after the last latching.
 
     Returns:
-        The answer RANKING: (controllers, 2) peak force [N] and sliding work [J] after the first latching, summed over
-        the joints as in the environment's reward.
+        The outcome, with the answer RANKING: (controllers, 2) peak force [N] and sliding work [J] after the first
+        latching, summed over the joints as in the environment's reward.
 
     Raises:
         ValueError: if a controller misses the environment's deadline, so that no ranking exists.
@@ -110,7 +109,7 @@ def control(level: Level, member: int, window: float) -> Outcome:
 
 
 def _drive(simulation: Simulation, torque: float, start: float, window: float) -> None:
-    """Apply a torque, and simulate to `window` [s] after the last latching, or to the deadline if a joint is open."""
+    """Apply a motor torque [N m] from `start` [s] on; simulate to `window` [s] after the last latching, or deadline."""
     if start > 0.0:
         simulation.advance(start)
     simulation.set_motor_torque(TASK.driven_joints[0], torque)
@@ -123,7 +122,7 @@ def _drive(simulation: Simulation, torque: float, start: float, window: float) -
 
 @dataclass(frozen=True)
 class LadderPlan:
-    """Extent of the measurement: levels, members and durations."""
+    """Extent of the ladder's measurement: model levels, numbers of ensemble members, and durations."""
 
     panels: tuple[str, ...] = (
         *(f"{elements} elements" for elements in (1, 2, 4, 6, 12)),
@@ -138,13 +137,13 @@ class LadderPlan:
 
     @property
     def levels(self) -> tuple[Level, ...]:
-        """The levels, from rigid panels with ideal joints to the reference."""
+        """The model levels, from rigid panels with ideal joints to the reference level."""
         flexible = (Level(f"flexible-{joint}:{panels}") for joint in ("ideal", "clearance") for panels in self.panels)
         return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible, self.reference)
 
     @property
     def runs(self) -> list[tuple[Level, int, bool]]:
-        """Runs (level, member, controlled), ordered by member, so that disturbances affect all levels alike."""
+        """Runs (level, ensemble member, True under controllers), by member, so that disturbances affect all levels."""
         return [
             (level, member, controlled)
             for most, controlled in ((self.members, False), (self.controlled_members, True))
@@ -160,7 +159,7 @@ FULL = LadderPlan()
 def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
     """Simulate every run of a plan, and call `announce` with a run's name before the run starts.
 
-    Returns a table row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
+    Return a table row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
     """
     done: dict[bool, dict[Level, list[Outcome]]] = {
         controlled: {level: [] for level in plan.levels} for controlled in (False, True)
@@ -188,7 +187,7 @@ def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
 
 
 def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
-    """Return a level's error against the same members of the reference, and the error's sampling half-width."""
+    """Return a level's error for `question` against the same reference members, and the half-width of its 95 % band."""
     level, other = (np.stack([run.answers[question] for run in runs]) for runs in (found, reference[: len(found)]))
     if question == RANKING:
         return ranking_error(level, other)
@@ -200,7 +199,7 @@ def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcom
 
 
 def measure_ladder(plan: LadderPlan, path: Path, console: Console) -> None:
-    """Measure the ladder and write the table; the full plan takes a quarter of an hour."""
+    """Run a plan's simulations, and write errors and costs to the table `path`; `FULL` takes a quarter of an hour."""
     with counting_bar(console) as progress:
         methods = [level.integrator().name for level in plan.levels]
         task = progress.add_task(f"loading kernels{compilation_note(methods)}", total=len(plan.runs))
@@ -242,7 +241,7 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
 
 
 def _widening(count: int) -> float:
-    """Return a band's widening: Student's quantile divided by the normal one, times sqrt(n / (n - 1)); 1 for n = 1."""
+    """Return the widening factor of a bootstrap band: Student's / normal quantile * sqrt(n / (n - 1)); 1 for n = 1."""
     if count == 1:
         return 1.0
     share = 0.5 * (1.0 + _COVERAGE)
@@ -253,7 +252,7 @@ def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
     """Return the discordant fraction of controller pairs, and the half-width of a 95 % band.
 
     A pair ranked oppositely is discordant (M. G. Kendall, Biometrika 30 (1938) 81); a tie at either level counts half.
-    Both tables are (n, controllers, measures) for the same members; each measure ranks the controllers separately.
+    `level` and `reference` are (n, controllers, measures) for the same n members; every measure is a separate ranking.
     """
     share = float(discordant_share(level.mean(axis=0), reference.mean(axis=0)))
     resampled = discordant_share(resampled_means(level), resampled_means(reference))
@@ -261,7 +260,7 @@ def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
 
 
 def discordant_share(level: Array, reference: Array) -> Array:
-    """Return the (...) fractions of controller pairs that two (..., controllers, measures) tables rank differently."""
+    """Return the (...) fractions of controller pairs that two (..., controllers, measures) tables rank oppositely."""
     first, second = np.triu_indices(reference.shape[-2], k=1)
     signs = [np.sign(table[..., first, :] - table[..., second, :]) for table in (level, reference)]
     return np.asarray((1.0 - signs[0] * signs[1]).mean(axis=(-2, -1)) / 2.0)

@@ -1,4 +1,4 @@
-"""Figure of the ladder, from its table alone: one panel per question, cost against error, and the level chosen."""
+"""Plot of the ladder, from its table alone: for each question, cost against error, and the cheapest level."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,7 +21,7 @@ _NOTE = (
 
 
 def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
-    """Draw each level's wall time relative to the reference against error, a plot per question; return the file."""
+    """Plot every level's wall time divided by the reference's against its error, for each question; return the file."""
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {_size(answer): look_of(_size(answer), LEVEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
@@ -40,7 +40,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
 
 
 def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
-    """State the cheapest panels for each question within _TOLERANCE, and the questions that no panels answer."""
+    """Return a title with the cheapest panels for each question within _TOLERANCE, and the unanswered questions."""
     chosen: dict[str, list[str]] = {}
     for question in asked:
         within = [answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE]

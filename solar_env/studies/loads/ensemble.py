@@ -1,4 +1,4 @@
-"""Ensemble of deployments at a chosen and at the finest level of the model, and with other contact laws."""
+"""Ensemble of deployments at a chosen and at the finest model level, and with other contact laws."""
 
 import contextlib
 import warnings
@@ -39,14 +39,14 @@ GEOMETRIES = {
 
 @dataclass(frozen=True)
 class LoadsPlan:
-    """Question that an ensemble answers.
+    """Plan of an ensemble: the array, the model level, and the number and extent of the runs.
 
     Raises:
         ValueError: on construction, for a value out of range, or for ideal joints, which have no impacts.
     """
 
-    array: ParameterFile  # parameters, and ranges of drawn ones
-    model: str = "flexible-clearance"  # level of the model; the same members also run at the finest level
+    array: ParameterFile  # parameters, and ranges of sampled ones
+    model: str = "flexible-clearance"  # model level; the same members also run at the finest level
     members: int = 16  # number of members at each level
     window: float = 10.0  # time simulated after the last latching [s]
     deadline: float = 60.0  # time by which all joints must have latched [s]
@@ -64,7 +64,7 @@ class LoadsPlan:
 
     @cached_property
     def forms(self) -> Mapping[str, ParameterFile]:
-        """The array with contact laws of other geometries, by bodies in contact; laws that it refuses are left out."""
+        """The array with contact laws of other geometries; keys name the touching bodies. Refused laws are left out."""
         own = self.array.parameters.contact_law
         own = own if own in GEOMETRIES else next(iter(GEOMETRIES))
         ranges = {name: pair for name, pair in self.array.randomize.items() if name != "contact_stiffness"}
@@ -78,12 +78,12 @@ class LoadsPlan:
 
     @property
     def asked(self) -> tuple[tuple[Level, ParameterFile], ...]:
-        """Levels and arrays that every member runs: the level, the finest level, the level with other contact laws."""
+        """Runs of each member as (level, array): chosen level, finest level, chosen level with other contact laws."""
         level, finest = self.levels
         return (level, self.array), (finest, self.array), *((level, form) for form in self.forms.values())
 
     def cell(self, level: Level, parameters: ArrayParameters, ranges: Ranges, member: int) -> Cell:
-        """Make the cell of a run for `run_member`."""
+        """Return the record of a run's arguments for `run_member`, with values for JSON."""
         return {
             "model": level.model,
             "tighter": level.tighter,
@@ -96,12 +96,12 @@ class LoadsPlan:
 
     @property
     def levels(self) -> tuple[Level, Level]:
-        """The chosen level and the finest one; the finest is made of elements if the panels have fittings."""
+        """The chosen and the finest model level; the finest has elements, not modes, if panels carry point masses."""
         return Level(self.model), FINEST_OF_ELEMENTS if self.array.parameters.panel_masses else FINEST
 
 
 def run_member(cell: Cell) -> dict[str, object]:
-    """Run a member at a level; return its quantities, spectra and warnings, or its failure, as values for JSON."""
+    """Simulate the run that `cell` describes; return quantities, spectra and warnings, or the failure, all for JSON."""
     level = Level(cell["model"], cell["tighter"])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SimulationWarning)  # of parameters: the command has told of them
@@ -123,10 +123,10 @@ def run_member(cell: Cell) -> dict[str, object]:
 
 @dataclass(frozen=True)
 class Loads:
-    """Answer of an ensemble."""
+    """Results of an ensemble of deployments."""
 
     plan: LoadsPlan
-    figures: Mapping[str, tuple[Figure, ...]]  # quantity -> a figure for each joint, or one for the hub
+    figures: Mapping[str, tuple[Figure, ...]]  # quantity -> statistics for each joint, or one for the hub
     hinge_spectrum: Array  # (levels, members, f, joints) of members that latched at both levels
     hub_spectrum: Array  # (levels, members, f), likewise
     unlatched: Sequence[int]  # number of members not latched by the deadline, at the level and at the finest one
@@ -137,7 +137,7 @@ class Loads:
 
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
-    """Run the ensemble's missing members, going on where an earlier run of the same plan stopped.
+    """Simulate the ensemble on `workers` processes, and return its results; runs stored in `folder` are not repeated.
 
     Raises:
         ValueError: if the folder holds another ensemble, or no run latches all joints.
@@ -155,7 +155,7 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console)
 
 
 def check_latching(plan: LoadsPlan) -> None:
-    """Refuse an array whose joints do not all latch in one run with rigid panels, by a ValueError that says why."""
+    """Simulate the array once with rigid panels, and raise a ValueError with the reason if a joint does not latch."""
     run = deploy(Level("rigid-clearance"), plan.array.parameters, 0, 0.1, plan.deadline)
     if not np.isfinite(run.trajectory.latch_times).all():
         raise ValueError(_never(plan, "in a first run with rigid panels not"))
@@ -168,9 +168,10 @@ def _never(plan: LoadsPlan, where: str) -> str:
 
 
 def gathered(plan: LoadsPlan, results: Sequence[Result], singles: Mapping[Shift | None, Result]) -> Loads:
-    """Compute figures and sensitivities from results, which come member by member in the order of `LoadsPlan.asked`.
+    """Compute statistics and sensitivities from `results`, ordered by member and then as `LoadsPlan.asked`.
 
-    A member with a failed run is left out. Singles are runs of the nominal array (None) and of shifted arrays.
+    A member with a failed run is left out. `singles` has results of the nominal array (None), and of arrays with one
+    parameter shifted.
 
     Raises:
         ValueError: if no run latches all joints, or too many runs have failed.

@@ -1,7 +1,7 @@
 """Motion of the main body ("hub"), and the force and torque on it, from samples of a deployment.
 
-The hub is rigid. If it is free, the hinges have put in all momentum that it gains between two samples: the mean loads
-between samples are then known exactly, however short the impacts between the samples are.
+The hub is rigid. If it is free, all momentum that it gains between two samples comes from the hinges. The mean loads
+between the samples are then known exactly, however short the impacts between them are.
 """
 
 from pathlib import Path
@@ -22,7 +22,7 @@ _SHIFT = 1e-6  # s; time shift to either side of a sample; the coordinates of a 
 
 
 def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: Array) -> Array:
-    """Return the (nt, 3) velocity of the centroid [m/s] and spin of the hub [rad/s]."""
+    """Return the hub's (nt, 3) centroid velocity [m/s] and spin [rad/s], from coordinates `q` and velocities `v`."""
     ahead, behind = (hub_place(parameters, model, q + sign * _SHIFT * v) for sign in (1.0, -1.0))
     change = ahead - behind
     change[:, 2] = (change[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
@@ -30,7 +30,7 @@ def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: A
 
 
 def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
-    """Return the (nt, 3) force [N] and centroidal torque [N m] of the root hinges on a hub held at its `hub_place`."""
+    """Return the (nt, 3) force [N] and torque about the centroid [N m] of the root hinges on a hub fixed at `place`."""
     total, (c, s) = np.zeros((len(place), 3)), (np.cos(place[:, 2]), np.sin(place[:, 2]))
     for root in (joint for joint in parameters.joints if joint.inboard == MAIN_BODY):
         k, x, y = root.index, root.side * parameters.hinge_x, parameters.hinge_y
@@ -52,8 +52,8 @@ def mean_loads(parameters: ArrayParameters, time: Array, velocity: Array) -> Arr
 def write_hub_loads(parameters: ArrayParameters, time: Array, loads: Array, path: Path) -> None:
     """Write a CSV file of the hub's mean loads from each sample to the next, with its mass and inertia in every row.
 
-    Held constant over each row's time, the loads give such a hub its momentum at every sample. `loads` has (nt - 1, 3)
-    forces in inertial axes [N] and torques about the centroid [N m] between the (nt,) times [s].
+    Applied as constants over each row's interval, the loads reproduce the hub's momentum at every sample. `loads` has
+    (nt - 1, 3) forces in inertial axes [N] and torques about the centroid [N m] between the (nt,) times [s].
     """
     columns = {"start_s": time[:-1], "end_s": time[1:], "force_x_N": loads[:, 0], "force_y_N": loads[:, 1]}
     hub = {"hub_mass_kg": parameters.body_mass, "hub_inertia_kgm2": parameters.body_inertia}

@@ -1,4 +1,4 @@
-"""Page of an ensemble: the answer, the nominal array in motion, modes, spectra, and bars of the sensitivities."""
+"""Web page of an ensemble: results in words, animated nominal deployment, modes, spectra, bars of sensitivities."""
 
 from collections.abc import Iterator, Sequence
 
@@ -24,7 +24,7 @@ _BARS = 8  # greatest number of parameters in a chart of sensitivities
 
 
 def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
-    """Make the page of an ensemble and of its nominal deployment, with notes as the last lines."""
+    """Return the page of an ensemble and its nominal deployment; `before` adds to the results, `notes` come last."""
     name = f"Nominal array, {loads.plan.levels[0].name}"
     charts = [
         *charts_of({name: nominal.trajectory}),
@@ -41,7 +41,7 @@ def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: 
 
 
 def _hub_charts(nominal: Deployment) -> Iterator[Chart]:
-    """Yield charts of the hub's turn, and of the greatest loads on the hub from each shown moment to the next."""
+    """Yield charts of the hub's rotation, and of the greatest force and torque on it between shown samples."""
     kept, time = shown_samples(nominal.trajectory), nominal.trajectory.time
     turn = np.degrees(nominal.place[kept, 2] - nominal.place[0, 2])
     line = Line("hub", time[kept], turn, COLOURS[0])
@@ -55,7 +55,7 @@ def _hub_charts(nominal: Deployment) -> Iterator[Chart]:
 
 
 def _ringing(nominal: Deployment) -> Iterator[Chart]:
-    """Yield a chart of the wing tips' motions across the hub's axis after the last latching, about their means."""
+    """Yield a chart of the wing tips' displacements across the hub's axis after the last latching, less their means."""
     trajectory = nominal.trajectory
     after = np.flatnonzero(trajectory.time > trajectory.latch_times.max())
     if len(after) < 2:
@@ -74,14 +74,14 @@ def _ringing(nominal: Deployment) -> Iterator[Chart]:
 
 
 def _main_frequency(history: Array, step: float) -> float:
-    """Return the frequency [Hz] of the greatest line in the spectrum of a history under Hann's window."""
+    """Return the frequency [Hz] of the highest spectral peak of `history` (time step `step` [s]), Hann-windowed."""
     padded = 8 * len(history)
     spectrum = np.abs(np.fft.rfft(history * np.hanning(len(history)), padded))
     return float(np.fft.rfftfreq(padded, step)[spectrum.argmax()])
 
 
 def _modes(loads: Loads) -> Iterator[Chart]:
-    """Yield charts of the first modes' shapes with the hub held and free."""
+    """Yield two charts of the first vibration modes' shapes: with the hub held, and with the hub free."""
     for held in (True, False):
         modes = first_modes(loads.plan.array.parameters, held)
         frequencies = [f"{frequency:.3g}" for frequency in modes.frequencies]
@@ -95,7 +95,7 @@ def _modes(loads: Loads) -> Iterator[Chart]:
 
 
 def _spectra(loads: Loads) -> Iterator[Chart]:
-    """Yield charts of spectra: mean and greatest of the runs, and the mean of the finest level."""
+    """Yield charts of shock spectra: mean and maximum over the chosen level's runs, and mean at the finest level."""
     if not loads.hub_spectrum.size:
         return
     greatest = loads.hinge_spectrum[0].mean(axis=0).max(axis=0)
@@ -122,7 +122,7 @@ def _spectrum(spectra: Array, prefix: str, colour: int) -> list[Line]:
 
 
 def _tornados(loads: Loads) -> Iterator[Chart]:
-    """Yield charts with bars of the parameters that change each figure most, at the joint where it is greatest."""
+    """Yield a bar chart per quantity, with the parameters that change it most, at the joint where it is greatest."""
     for name, by_joint in loads.sensitivity.effects.items():
         joint = worst_joint(loads.figures[name])
         effects, what = by_joint[joint], full_name(loads, name, joint)

@@ -1,4 +1,4 @@
-"""Quantities that are read from a deployment, by joint and of the hub."""
+"""Quantities that are computed from a simulated deployment, for each joint and for the hub."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,17 +13,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Quantity:
-    """A figure of a deployment."""
+    """A quantity of a deployment, with its printed unit and the function that computes its values."""
 
     name: str
-    unit: str  # unit in which the figure is printed
+    unit: str  # unit in which the quantity is printed
     read: Callable[[Deployment], Array]  # (joints,) values in SI units, or (1,) of the hub; nan where not known
     scale: float = 1.0  # printed units per SI unit
     needs_latching: bool = True
 
 
 def _impacts(deployment: Deployment) -> list[NDArray[np.void]]:
-    """Return the contacts that began after the first latching, joint by joint."""
+    """Return the records of contacts that began after the first latching, one array per joint."""
     trajectory = deployment.trajectory
     later = trajectory.contacts[trajectory.contacts["start_s"] > np.nanmin(trajectory.latch_times)]
     return [later[later["joint"] == joint] for joint in range(len(trajectory.latch_times))]
@@ -69,7 +69,7 @@ QUANTITIES = {**JOINT_QUANTITIES, **HUB_QUANTITIES}
 
 
 def read_all(deployment: Deployment) -> dict[str, list[float]]:
-    """Read every quantity in SI units; quantities that need all joints latched are nan if a joint is open."""
+    """Return all quantities by name, in SI units; those that need all joints latched are nan if a joint is open."""
     latch_times, found = deployment.trajectory.latch_times, {}
     for name, quantity in QUANTITIES.items():
         told = np.isfinite(latch_times).all() or not quantity.needs_latching

@@ -1,4 +1,4 @@
-"""Report of an ensemble in a few lines and tables."""
+"""Report of the loads in an ensemble of deployments, as a few sentences and tables."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -18,15 +18,15 @@ COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95
 WEAR_LIMIT = 1e-6  # m; wear depth up to which deployments are counted
 MANY_DEPLOYMENTS = 1e5  # number of deployments that no array sees, ground tests included
 _SHOWN = slice(3, None, 6)  # frequencies shown in the table
-_SIZING = ("latch_torque", "peak_force", "hub_excursion")  # figures whose sensitivities a line states
-_TOLD = 3  # greatest number of parameters told for a figure
+_SIZING = ("latch_torque", "peak_force", "hub_excursion")  # quantities whose sensitivities a sentence states
+_TOLD = 3  # greatest number of parameters stated for a quantity
 
 
 def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
-    """State the figures that size hinges and hub, pin force, momentum exchanged, wear, sensitivities and their basis.
+    """Return sentences on the loads that size hinges and hub, pin force, momentum, wear, sensitivities and their basis.
 
-    After the first line come the lines `before`, known before the runs (see `statics`). Each figure comes with the
-    interval of its mean; the figures of `_STATED` also with their high quantile and discretisation error.
+    The lines `before`, known before the runs (see `statics`), follow the first sentence. Each value comes with the
+    interval of its mean; the quantities of `_STATED` also with their high quantile and discretisation error.
     """
     stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in _worst_of(loads, _STATED).items()}
     worst = _worst_of(loads, JOINT_QUANTITIES)
@@ -60,19 +60,19 @@ _STATED = ("latch_torque", "peak_force", "impulse", "wear_depth")
 
 
 def _worst_of(loads: Loads, names: Iterable[str]) -> dict[str, tuple[str, Figure]]:
-    """Find, by quantity, the name of the joint with the greatest mean, and its figure."""
+    """Return, for each quantity in `names`, the name of the joint with the greatest mean, and the statistics there."""
     found = {name: worst_joint(loads.figures[name]) for name in names}
     joints = loads.plan.array.parameters.joints
     return {name: (joints[joint].name, loads.figures[name][joint]) for name, joint in found.items()}
 
 
 def worst_joint(figures: Sequence[Figure]) -> int:
-    """Return the index of the joint whose figure has the greatest mean."""
+    """Return the index of the joint with the greatest mean, from the statistics of each joint."""
     return max(range(len(figures)), key=lambda j: figures[j].mean if math.isfinite(figures[j].mean) else -math.inf)
 
 
 def full_name(loads: Loads, quantity: str, joint: int) -> str:
-    """Name a quantity, with its joint (counted from 0) unless it is a quantity of the hub."""
+    """Return a quantity's printed name, with the joint's name unless it is of the hub; `joint` counts from 0."""
     of_joint = f" of {loads.plan.array.parameters.joints[joint].name}" if quantity in JOINT_QUANTITIES else ""
     return f"{QUANTITIES[quantity].name}{of_joint}"
 
@@ -92,7 +92,7 @@ def _forms(loads: Loads) -> str:
 
 
 def _what_changes(loads: Loads) -> str:
-    """State the parameters that change the sizing figures most."""
+    """Return a sentence on the parameters that change the quantities of `_SIZING` most."""
     found = loads.sensitivity
     if found.missing:
         return f"What changes the figures is not known: {found.missing} (--runs)."
@@ -111,7 +111,7 @@ def _what_changes(loads: Loads) -> str:
 
 
 def effect_text(effects: Effects, parameter: str) -> str:
-    """Format the effect of a parameter: a coefficient with its interval, or changes in per cent."""
+    """Format a parameter's effect: the regression coefficient with interval, or changes in per cent."""
     low, high = effects.low[parameter], effects.high[parameter]
     if math.isfinite(effects.explained):
         return f"{0.5 * (low + high):+.2f} \u00b1 {0.5 * (high - low):.2f}"
@@ -119,7 +119,7 @@ def effect_text(effects: Effects, parameter: str) -> str:
 
 
 def sureness(effects: Effects) -> str:
-    """State the share of the variance that a regression explains, or which changes are scatter."""
+    """Return in words the variance fraction that a regression explains, or the size below which changes are scatter."""
     if math.isfinite(effects.explained):
         return f"{100.0 * max(effects.explained, 0.0):.0f} % of the variance explained"
     return f"below {shortened(100.0 * effects.noise)} % is scatter" if effects.noise > 0.0 else "scatter unknown"
@@ -140,7 +140,7 @@ def _with_interval(figure: Figure, quantity: Quantity) -> str:
 
 
 def _quantiles(figure: Figure, quantity: Quantity) -> tuple[str, str]:
-    """Format the high quantile and its bound, with the digits that their distance leaves; "-" if they are unknown."""
+    """Format the high quantile and its upper bound, to the digits that their difference allows; "-" if unknown."""
     quantile, bound = quantity.scale * figure.quantile, quantity.scale * figure.quantile_bound
     return rounded(quantile, bound - quantile), rounded(bound, bound - quantile)
 
@@ -160,7 +160,7 @@ def _model_error(figure: Figure, quantity: Quantity) -> str:
 
 
 def _basis(loads: Loads) -> str:
-    """State the runs and levels that the figures rest on, and the runs that are missing."""
+    """Return sentences on the runs and model levels behind the results, and on missing runs."""
     plan, (level, finest) = loads.plan, loads.plan.levels
     drawn = ", ".join(plan.array.randomize)
     runs = "1 run" if plan.members == 1 else f"{plan.members} runs"
@@ -190,7 +190,7 @@ def _basis(loads: Loads) -> str:
 
 
 def tables(loads: Loads) -> list[Table]:
-    """Make a table for each joint, one for the hub, one of spectra, and one of sensitivities if these are known."""
+    """Return a table for each joint, one for the hub, one of spectra, and one of sensitivities if these are known."""
     joints = loads.plan.array.parameters.joints
     spectra = {f"force of {joint.name} [N]": loads.hinge_spectrum[..., joint.index] for joint in joints}
     spectra["acceleration of the hub [m/s2]"] = loads.hub_spectrum
@@ -205,7 +205,7 @@ def tables(loads: Loads) -> list[Table]:
 
 
 def _changes(loads: Loads) -> Iterator[Table]:
-    """Yield the table of the parameters that change each figure most, at the joint where the figure is greatest."""
+    """Yield the table of the parameters that change each quantity most, at the joint where the quantity is greatest."""
     ranks = ("most", "then", "then")
     rows = []
     for name, by_joint in loads.sensitivity.effects.items():
@@ -223,7 +223,7 @@ def _changes(loads: Loads) -> Iterator[Table]:
 
 
 def _joint_rows(loads: Loads, joint: int) -> Iterator[list[str]]:
-    """Yield rows of a joint's figures; below the pin force come the pin forces with the other contact laws."""
+    """Yield the table rows of a joint's quantities; pin forces with the other contact laws follow the pin force."""
     for name in JOINT_QUANTITIES:
         yield _row(QUANTITIES[name], loads.figures[name][joint])
         for contact, figures in loads.forms.items() if name == "peak_force" else ():

@@ -23,15 +23,15 @@ Array = NDArray[np.float64]
 # Samples per second from the first latching on. Most contacts last a millisecond and more; at five times this rate
 # the spectra are the same within 1 %.
 RATE = 20_000
-EVERY = 20  # one sample in this number is kept, and taken before the latching: one per millisecond
+EVERY = 20  # one fine sample in this many is kept, and no others are taken before the latching: one per ms
 FREQUENCIES = 5.0 * 2.0 ** (np.arange(52) / 6.0)  # Hz; frequencies of spectra, six per octave up to 0.1 times the rate
-_PIECE = 0.5  # s; time simulated between two looks
+_PIECE = 0.5  # s; time simulated between two checks for latching
 _CONTACTS = 100_000  # greatest number of contacts in a piece
 
 
 @dataclass(frozen=True)
 class Deployment:
-    """A deployment up to some time after the last latching; peaks on the hub are means over 50 microseconds."""
+    """A simulated deployment until after the last latching; peak loads on a free hub are means over 50 microseconds."""
 
     trajectory: Trajectory  # trajectory with a sample every millisecond
     place: Array  # (nt, 3) place of the hub's centroid [m] and angle of the hub [rad]
@@ -46,7 +46,7 @@ class Deployment:
 
 
 def member_parameters(parameters: ArrayParameters, ranges: Ranges, member: int) -> ArrayParameters:
-    """Return a member's array, with values drawn from the ranges and perturbed release rates; member 0 is nominal."""
+    """Return a member's parameters, sampled from `ranges`, with perturbed initial joint rates; member 0 is nominal."""
     if member > 0:
         parameters = parameters.with_changes(drawn(ranges, np.random.default_rng([member, 2])))
     return perturbed(parameters, member)
@@ -55,7 +55,7 @@ def member_parameters(parameters: ArrayParameters, ranges: Ranges, member: int) 
 def deploy(level: Level, parameters: ArrayParameters, member: int, window: float, deadline: float) -> Deployment:
     """Simulate an array until `window` [s] after its last latching, or to the deadline [s] if a joint is still open.
 
-    The tolerance of the integrator depends on the member.
+    `parameters` belong to the ensemble member `member`, whose number also varies the integrator's tolerance.
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
@@ -98,7 +98,7 @@ class _Run:
         self.hub_spectrum = ShockSpectrum(FREQUENCIES, RATE, 1)
 
     def go_on(self, window: float, deadline: float) -> None:
-        """Simulate with coarse samples up to the piece in which a joint latches first, with fine samples from there."""
+        """Simulate to `window` [s] after the last latching, or `deadline` [s]; sample finely after the first."""
         simulation, joints = self.simulation, self.simulation.state.joints
         while simulation.time < deadline:
             before = simulation.snapshot()
@@ -125,7 +125,7 @@ class _Run:
         return recorder
 
     def _take(self, recorder: Recorder, stride: int) -> None:
-        """Update peaks and spectra from the samples of a piece, and keep one sample every millisecond."""
+        """Update peaks and spectra from a piece's samples, `stride` * 50 us apart; keep one sample per millisecond."""
         self._contacts.append(recorder.contacts[: recorder.filled[1]].copy())
         table = recorder.samples
         if len(table) == 0:
@@ -165,7 +165,7 @@ class _Run:
         return greatest
 
     def trajectory(self, model: str) -> Trajectory:
-        """Assemble the trajectory of the run."""
+        """Return the run's trajectory, from the samples kept; `model` names the model level in its metadata."""
         integrator = self.simulation.integrator.name
         details = {"model": model, "parameters": self._parameters.to_dict(), "integrator": integrator}
         samples, state = np.concatenate(self._samples), self.simulation.state

@@ -1,7 +1,7 @@
-"""Sensitivity of figures to parameters.
+"""Sensitivity of an ensemble's quantities to the parameters.
 
-Where a file gives ranges of its parameters, the figures of the members are regressed on the parameters drawn for
-them. The standardised coefficients follow A. Saltelli et al., "Global Sensitivity Analysis: The Primer" (2008),
+If the parameter file gives ranges, the quantities of the ensemble members are regressed on the members' sampled
+parameters. The standardised coefficients follow A. Saltelli et al., "Global Sensitivity Analysis: The Primer" (2008),
 section 1.2.5, doi:10.1002/9780470725184. Otherwise each parameter is shifted by a tenth, one at a time.
 """
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Shift = tuple[str, float]  # a parameter and its factor
 Result = Mapping[str, Any]  # result of a run: its quantities, or its failure
 
-# Constants of the laws, which smooth them and are nobody's to choose.
+# Constants that only smooth force laws; designers do not choose these.
 OF_THE_LAWS = (
     "latch_exponent",
     "latch_ramp_depth",
@@ -32,21 +32,21 @@ OF_THE_LAWS = (
     "friction_speed_zero",
     "friction_speed_full",
 )
-SHARE = 0.1  # share of a parameter by which it is shifted
+SHARE = 0.1  # fraction of a parameter by which it is shifted
 _CONFIDENCE = 0.95
-_LEAST = 0.01  # least standardised coefficient that is told
+_LEAST = 0.01  # least standardised coefficient that is reported
 
 
 @dataclass(frozen=True)
 class Effects:
-    """Effects of parameters on one figure of one joint, or of the hub.
+    """Effects of parameters on one quantity of one joint, or of the hub.
 
     Attributes:
-        low, high: by parameter. One at a time: the figure's relative change where the parameter is smaller and greater
-            by SHARE; nan where that run was refused, failed or did not latch. For a regression: low and high end of
-            the standardised coefficient's 95 % interval.
-        noise: change up to which two runs alike may differ by scatter; 0 for a regression.
-        explained: share of the variance that a regression explains, adjusted for the number of parameters; else nan.
+        low, high: by parameter. One at a time: the quantity's relative change if the parameter is smaller, or greater,
+            by the fraction SHARE; nan if that run was refused, failed or did not latch. For a regression: low and high
+            end of the standardised coefficient's 95 % interval.
+        noise: relative change that scatter between equal arrays may cause (95 %); 0 for a regression.
+        explained: fraction of variance that a regression explains, adjusted for the number of parameters; else nan.
     """
 
     low: Mapping[str, float]
@@ -56,7 +56,7 @@ class Effects:
 
     @property
     def ranking(self) -> list[str]:
-        """The parameters whose effect exceeds the noise, the greatest effect first."""
+        """Parameters with effects above the noise, or regression intervals that exclude 0; greatest effect first."""
         size = {name: np.nanmax(np.abs([self.low[name], self.high[name], 0.0])) for name in self.low}
         if np.isfinite(self.explained):
             told = [name for name in size if self.low[name] * self.high[name] > 0.0 and size[name] > _LEAST]
@@ -68,16 +68,16 @@ class Effects:
 class Sensitivity:
     """Effects by quantity and joint; empty if there are too few runs, or the nominal run failed."""
 
-    drawn: bool  # true for a regression on drawn parameters, false for one at a time
+    drawn: bool  # true for a regression on sampled parameters, false for one at a time
     effects: Mapping[str, tuple[Effects, ...]]
     missing: str = ""  # reason why there are no effects
 
 
 def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayParameters]:
-    """Return the nominal array (None), and arrays with one continuous parameter shifted by SHARE, at all joints alike.
+    """Return the nominal array (key None), and arrays with one continuous parameter times 1 - SHARE or 1 + SHARE.
 
-    Shifts that are refused, or change nothing in the model, are left out. So are parameters that are 0, since a share
-    of 0 is no shift.
+    The key of a shifted array is (parameter, factor). Shifts that are refused, or change nothing in the model, are left
+    out; so are constants OF_THE_LAWS, and parameters that are 0.
     """
     nominal = build(parameters, model)
     found: dict[Shift | None, ArrayParameters] = {None: parameters}
@@ -96,11 +96,11 @@ def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayP
 
 
 def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array]) -> Sensitivity:
-    """Return the effects of shifts, from runs of the nominal array (None) and of shifted arrays.
+    """Return the effects of shifting one parameter at a time.
 
     Args:
-        runs: Result by shift.
-        alike: (members, joints) values of each quantity over runs that are meant to be alike.
+        runs: Result by shift; None is the nominal array.
+        alike: (members, joints) values of each quantity over members of the nominal array: their scatter is the noise.
     """
     nominal = runs[None]
     if "failed" in nominal:
@@ -135,12 +135,12 @@ def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array
 
 
 def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mapping[str, Array]) -> Sensitivity:
-    """Return the effects of parameters drawn from ranges on quantities.
+    """Return the effects of sampled parameters on quantities, by linear regression.
 
     Args:
-        ranges: Ranges of the parameters drawn.
-        members: The arrays drawn.
-        values: (members, joints) values of each quantity; nan where a member does not tell.
+        ranges: Ranges of the sampled parameters.
+        members: Parameters of each ensemble member.
+        values: (members, joints) values of each quantity; nan where unknown.
     """
     columns: dict[str, Array] = {}
     for name, (low, _) in ranges.items():
@@ -156,7 +156,7 @@ def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mappi
 
 
 def _regressed(columns: Mapping[str, Array], y: Array) -> Effects:
-    """Return the standardised coefficients of an ordinary least-squares fit, with their intervals."""
+    """Return the standardised coefficients' intervals for a least-squares fit of `y` by `columns` (name -> values)."""
     known = np.isfinite(y)
     count, freedom = int(known.sum()), int(known.sum()) - len(columns) - 1
     unknown = dict.fromkeys(columns, np.nan)

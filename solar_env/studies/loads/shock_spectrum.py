@@ -18,9 +18,9 @@ QUALITY = 10.0  # 5 % of critical damping, as is usual in specifications of shoc
 
 
 def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALITY) -> tuple[Array, Array]:
-    """Return the numerator and denominator (3,) of the digital filter from a history to an oscillator's response.
+    """Return the numerator and denominator (3,) of the digital filter from a load history to an oscillator's response.
 
-    The filter is exact for histories that are straight between their samples, `rate` per second. `frequency` [Hz] is
+    The filter is exact for histories that are linear between their samples, `rate` per second. `frequency` [Hz] is
     the undamped natural frequency, `quality` 1 / (2 * damping ratio).
     """
     step, damping, omega = 1.0 / rate, 0.5 / quality, 2.0 * math.pi * frequency
@@ -31,9 +31,9 @@ def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALIT
 
 
 class ShockSpectrum:
-    """The greatest response to histories of vectors in the plane, one per channel, that come piece by piece.
+    """Oscillators' greatest responses to histories of planar vectors, one per channel, which are added piece by piece.
 
-    The natural frequencies (f,) [Hz] lie below half the rate of the samples.
+    The oscillators' natural frequencies (f,) [Hz] must lie below half the sample rate [1/s].
     """
 
     def __init__(self, frequencies: Array, rate: float, channels: int, quality: float = QUALITY) -> None:
@@ -43,12 +43,12 @@ class ShockSpectrum:
         self.peaks = np.zeros((len(frequencies), channels))
 
     def add(self, history: Array) -> None:
-        """Go on with the next n >= 1 samples (n, channels, 2); the response begins at rest."""
+        """Process the next n >= 1 samples (n, channels, 2), and update `peaks`; the oscillators start at rest."""
         for k in range(len(self._filters)):
             self._add(k, history)
 
     def finish(self) -> Array:
-        """Go on for one period at no load, and return the (f, channels) greatest magnitudes of the response vector."""
+        """Add a natural period without load, and return the (f, channels) greatest magnitudes of response vectors."""
         for k, period in enumerate(self._periods):
             self._add(k, np.zeros((period, *self.peaks.shape[1:], 2)))
         return self.peaks

@@ -1,4 +1,4 @@
-"""Figures of an array before any run: the torque margins of its hinges, and its frequencies when deployed."""
+"""Properties of an array before any run: torque margins of its hinges, natural frequencies when deployed."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -26,8 +26,8 @@ class Modes:
 
     Attributes:
         frequencies: natural frequencies [Hz].
-        axes: (1 + modes, points, 2) axis of the first wing from its inner hinge to its end [m], deployed and in every
-            mode at its turning point; the greatest displacement is a tenth of the wing's length.
+        axes: (1 + modes, points, 2) axis of the first wing from its inner hinge to its end [m]: undeformed, then in
+            each mode with a greatest displacement of a tenth of the wing's length.
     """
 
     frequencies: Sequence[float]
@@ -56,10 +56,10 @@ def first_modes(parameters: ArrayParameters, held: bool) -> Modes:
 
 
 def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> list[str]:
-    """State in two lines the hinges' torques beside the required torques, and the deployed array's frequencies.
+    """Return two sentences: the hinges' torques relative to the required ones, and the deployed array's frequencies.
 
     Raises:
-        ValueError: As in `motorization`.
+        ValueError: `factors`, changes to the uncertainty factors FACTORS, has an unknown name or a value not above 0.
     """
     used = {**FACTORS, **(factors or {})}
     counted = ", ".join(f"{name} {value:g}" for name, value in used.items())

@@ -1,6 +1,6 @@
-"""Figures of an ensemble: mean with its interval, high quantile and model error, in as many digits as are certain.
+"""Statistics of an ensemble: mean with its interval, high quantile, model error, in as many digits as are certain.
 
-The high quantile is a lognormal distribution's, as is usual for shock loads (NASA-HDBK-7005, "Dynamic environmental
+The high quantile is of a lognormal distribution, as is usual for shock loads (NASA-HDBK-7005, "Dynamic environmental
 criteria", 2001, section 6), with its one-sided upper tolerance bound by the noncentral t distribution.
 """
 
@@ -20,7 +20,7 @@ QUANTILE, CONFIDENCE = 0.99, 0.95
 
 @dataclass(frozen=True)
 class Figure:
-    """Statistics of a quantity over an ensemble; nan where the runs do not tell."""
+    """Statistics of a quantity over an ensemble; nan where the runs are too few or unsuitable."""
 
     mean: float
     low: float  # 95 % interval of the mean
@@ -33,12 +33,12 @@ class Figure:
 
     @property
     def half_width(self) -> float:
-        """Half of the mean's interval; nan without one."""
+        """Half the width of the mean's 95 % interval; nan without an interval."""
         return 0.5 * (self.high - self.low)
 
 
 def figure_of(level: Array, finer: Array) -> Figure:
-    """Return the figure of (n,) values at a level and at a finer level; members with nan do not count."""
+    """Return the statistics of (n,) values at a level, and of the same members at a finer level; nan does not count."""
     values, paired = (members[np.isfinite(members)] for members in (level, finer - level))
     error, low, high = _band(paired)
     return Figure(*_band(values), *high_quantile(values), error, 0.5 * (high - low), len(values))
@@ -65,9 +65,9 @@ def high_quantile(values: Array) -> tuple[float, float]:
 
 
 def rounded(value: float, uncertainty: float) -> str:
-    """Format a value with the digits that its uncertainty leaves: the last digit shown is the first uncertain one.
+    """Format a value with the digits that its uncertainty allows: the last digit shown is the first uncertain one.
 
-    One digit more where the uncertainty begins with a 1, and at least one; two where the uncertainty is unknown.
+    One more is shown if the uncertainty begins with a 1. At least one is shown, and two if the uncertainty is unknown.
     """
     if not (math.isfinite(value) and math.isfinite(uncertainty)) or value == 0.0:
         return shortened(value)
@@ -80,7 +80,7 @@ def rounded(value: float, uncertainty: float) -> str:
 
 
 def shortened(value: float, digits: int = 2) -> str:
-    """Format a figure with few digits."""
+    """Format a number with `digits` significant digits; nan becomes "-", and infinity "infinitely many"."""
     if not math.isfinite(value):
         return "-" if math.isnan(value) else "infinitely many"
     if value == 0.0 or 1e-4 <= abs(value) < 1e6:
@@ -89,5 +89,5 @@ def shortened(value: float, digits: int = 2) -> str:
 
 
 def counted(number: float) -> str:
-    """Format a great number in two digits, as in "17,000,000"."""
+    """Format a number with two significant digits, and from 10,000 on with commas, as in "17,000,000"."""
     return f"{float(f'{number:.2g}'):,.0f}" if 1e4 <= number < 1e15 else shortened(number)

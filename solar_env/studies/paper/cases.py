@@ -34,7 +34,7 @@ CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
 
 
 def is_flexible(case: str) -> bool:
-    """Return whether the panels of a case bend."""
+    """Return whether the deployment named `case` has flexible panels."""
     return ModelLevel.of(CASES[case][0]).flexible
 
 
@@ -47,7 +47,7 @@ Changes = tuple[tuple[str, Value], ...]
 
 @dataclass(frozen=True)
 class CaseRun:
-    """A deployment to simulate: the case, the ensemble member, and the parameters that differ from the preset."""
+    """A deployment to simulate: its name in CASES, the ensemble member, and parameters that differ from the preset."""
 
     case: str
     member: int = 0
@@ -73,7 +73,7 @@ SAMPLES_PER_TURN = 720
 
 
 def simulate_four_bar(turns: int, with_clearance: bool) -> Trajectory:
-    """Simulate the linkage for `turns` crank turns from centred journals; the clearance is in joint 1, from 0."""
+    """Simulate `turns` crank turns of the linkage from centred journals; clearance is at the crank-coupler pin only."""
     array = ArrayParameters()
     bearing = replace(array.bearing(0), width=FOUR_BAR_WIDTH)
     mechanism = four_bar(crank_rate=FOUR_BAR_RATE, clearances={FOUR_BAR_PIN: bearing} if with_clearance else None)

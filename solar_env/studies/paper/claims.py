@@ -1,4 +1,4 @@
-"""Claims of the paper about deployments, each tested by a measured figure that must lie in an interval."""
+"""Claims of the paper about deployments, each tested by a measured quantity that must lie in an interval."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -15,18 +15,18 @@ from solar_env.studies.paper.measures import both, joint_2_over_1, large_over_sm
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper, tested by a measured figure that must lie in an interval.
+    """A statement of the paper, tested by a measured quantity that must lie in an interval.
 
     Attributes:
         key: short name.
-        statement: the paper's statement, with the figure measured to test the statement.
-        paper: the paper's value of the figure, or the relation that the paper states.
-        cases: names of the deployments on which the figure is measured.
-        measure: function from the motions of `cases`, one per case in the same order, to the figure.
-        low, high: ends of the interval in which the figure agrees with the paper, both included.
-        unit: unit of the figure.
-        open_parameters: parameters that the figure depends on and the paper leaves open; `survey` varies them.
-        why: reason for a disagreement, if the figure disagrees.
+        statement: the paper's statement, with the quantity measured to test the statement.
+        paper: the paper's value of the quantity, or the relation that the paper states.
+        cases: names of the deployments on which the quantity is measured.
+        measure: function from the trajectories of `cases`, one argument per case in order, to the quantity.
+        low, high: ends of the interval in which the quantity agrees with the paper, both included.
+        unit: unit of the quantity.
+        open_parameters: parameters that the quantity depends on and the paper leaves open; `survey` varies them.
+        why: reason for a disagreement, if the quantity disagrees.
         by_construction: parameters left open by the paper that have been chosen to meet the claim, if any.
     """
 
@@ -44,20 +44,20 @@ class Claim:
 
     @property
     def on_flexible_panels(self) -> bool:
-        """True if the figure is measured on a deployment with flexible panels."""
+        """True if the quantity is measured on a deployment with flexible panels."""
         return any(map(is_flexible, self.cases))
 
     def value(self, motions: Mapping[str, Trajectory]) -> float:
-        """Return the figure measured on one ensemble member, whose motions are given by case."""
+        """Return the quantity for one ensemble member; `motions` maps case names to the member's trajectories."""
         return self.measure(*(motions[case] for case in self.cases))
 
     def holds(self, value: float) -> bool:
-        """Return whether a value of the figure agrees with the paper."""
+        """Return whether a value of the quantity agrees with the paper."""
         return self.low <= value <= self.high
 
 
 def within(figure: float, share: float) -> tuple[float, float]:
-    """Return the interval of values that differ from `figure` by at most `share` times `figure`."""
+    """Return the interval (low, high) of values that differ from `figure` by at most `share` * `figure`."""
     return figure * (1.0 - share), figure * (1.0 + share)
 
 

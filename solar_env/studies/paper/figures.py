@@ -38,7 +38,7 @@ class FourBar(PaperFigure):
     """Crank moment and rocker speed of the four-bar linkage in the last turn; journal wear after FOUR_BAR_TURNS."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Simulate the linkage with clearance and, as 0 turns, without; return the table. `members` is ignored."""
+        """Simulate the linkage with clearance and, as 0 turns, without; return the table rows. `members` is unused."""
         motions = {0: simulate_four_bar(1, with_clearance=False)}
         motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
         rows: list[Row] = []
@@ -72,13 +72,13 @@ class FourBar(PaperFigure):
 
 
 def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]:
-    """Return a curve's table rows, one per point, for values at times [s] or at angles [deg]."""
+    """Return a curve's table rows, one per point, for values at `places`: times [s] or angles [deg]."""
     pairs = zip(places.tolist(), values.tolist(), strict=True)
     return [{"quantity": quantity, "turns": turns, "place": place, "value": value} for place, value in pairs]
 
 
 def _last_turn(motion: Trajectory) -> dict[str, Array]:
-    """Return the drive's moment [N m] and the rocker's speed [rad/s], averaged between samples of the last turn."""
+    """Return the driving moment [N m] and the rocker's speed [rad/s] in the last turn, averaged between samples."""
     work = motion.energies["external_work"][-SAMPLES_PER_TURN - 1 :]
     speed = motion.rates[-SAMPLES_PER_TURN - 1 :, -1]
     return {

@@ -1,6 +1,6 @@
 """Kinds of figures in the paper: each kind makes a table from trajectories, and a picture from the table.
 
-Pictures are drawn from the tables alone, with the panels of the paper's figures. As on the paper's axes, joint angles
+Pictures are drawn from the tables alone, with the subplots of the paper's figures. As on the paper's axes, joint angles
 are in radians, angles round a bearing in degrees and paths in micrometres.
 """
 
@@ -40,12 +40,12 @@ STIFFNESSES = (("", "stiffness of Table 1"), (EQ_40, "stiffness of Eq 40"))
 
 @dataclass(frozen=True)
 class PaperFigure(ABC):
-    """A figure of the paper.
+    """A figure of the paper, reproduced from simulations.
 
     Attributes:
         number: number of the figure in the paper.
         title: content of the figure.
-        cases: names of the deployments needed; a `CaseFigure`'s second case is the first with the stiffness of Eq 40.
+        cases: names of the deployments needed; a `CaseFigure`'s second is the first with contact stiffness from Eq 40.
         ensemble: true if the figure shows median and range of an ensemble. Otherwise the figure shows the nominal
             run, for example because impacts strike at other times in every member.
     """
@@ -58,15 +58,15 @@ class PaperFigure(ABC):
 
     @abstractmethod
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Make the figure's table from the deployments of ensemble members."""
+        """Return the figure's table; `members` holds each ensemble member's trajectories by case name."""
 
     @abstractmethod
     def _draw(self, figure: Figure, table: Table) -> None:
-        """Draw the table's panels into an empty Matplotlib figure."""
+        """Draw the table into an empty Matplotlib figure, as one or more subplots."""
 
     @abstractmethod
     def _conclude(self, table: Table) -> str:
-        """State in words the conclusion that the table allows."""
+        """Return the conclusion from the table in words, for the title."""
 
     @property
     def stem(self) -> str:
@@ -97,7 +97,7 @@ class DeploymentFigure(PaperFigure):
     """A figure of deployments, whose table has a column for each quantity."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return the table, rounded to nine digits; an ensemble's has medians and columns `_least` and `_greatest`."""
+        """Return the table, rounded to nine digits; ensembles have medians, and columns `..._least`, `..._greatest`."""
         tables = [self._columns(member) for member in members]
         columns = tables[0]
         if self.ensemble:
@@ -137,7 +137,7 @@ def _finish_time(axis: Axes, table: Table, label: str) -> None:
 
 
 def _draw_median(axis: Axes, table: Table, place: str, name: str, colour: str, **look: Any) -> None:
-    """Draw a curve of medians, and shade the range from least to greatest value."""
+    """Plot column `name` (medians) over column `place`, and shade the range from least to greatest value."""
     places = table.column(place)
     axis.plot(places, table.column(name), color=colour, **look)
     least, greatest = (table.column(f"{name}_{end}") for end in ("least", "greatest"))
@@ -149,7 +149,7 @@ def _frame(axis: Axes, top: float) -> None:
 
 
 class Angles(CaseFigure):
-    """A figure of the joint angles, which states the angles' ranges in the last 10 s."""
+    """A figure of the joint angles over time; its conclusion states the angles' ranges in the last 10 s."""
 
     ensemble = True
 
@@ -172,7 +172,7 @@ class Angles(CaseFigure):
 
 @dataclass(frozen=True)
 class JournalPath(CaseFigure):
-    """Path of a joint's journal in the three PHASES, with the times of phase changes; joints are counted from 0."""
+    """A figure of a journal's path in the three PHASES, with the times of their changes; `joint` counts from 0."""
 
     joint: int
 
@@ -205,7 +205,7 @@ class JournalPath(CaseFigure):
 
 
 class ContactForces(CaseFigure):
-    """Each joint's greatest contact force in short windows; two cases stand side by side, with the paper's axis end."""
+    """A figure of each joint's greatest contact force in time windows of FORCE_WINDOW; two cases stand side by side."""
 
     column, label, unit = "force_{}_N", "contact force [N]", "N"
 
@@ -238,7 +238,7 @@ class ContactForces(CaseFigure):
 
 @dataclass(frozen=True)
 class Torques(ContactForces):
-    """Torques of each joint, from the trajectory's attribute `quantity`."""
+    """A figure of one torque of each joint over time; `quantity` names the attribute of the trajectory."""
 
     quantity: str
 
@@ -249,7 +249,7 @@ class Torques(ContactForces):
 
 
 class Wear(CaseFigure):
-    """Wear depths round bearings and journals for both contact stiffnesses; the conclusion names the deepest wear."""
+    """A figure of wear depths round bearings and journals, for both contact stiffnesses; it states the deepest wear."""
 
     ensemble = True
 
@@ -285,7 +285,7 @@ class Wear(CaseFigure):
 
 @dataclass(frozen=True)
 class Models(DeploymentFigure):
-    """A joint quantity in the four MODELS, and its differences from the first model in each phase."""
+    """A figure of a joint quantity in the four MODELS, and of differences from the first model in each phase."""
 
     quantity: str
     unit: str

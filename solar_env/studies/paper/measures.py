@@ -1,6 +1,6 @@
-"""Figures that test the paper's statements: functions of the deployments that a claim names, in the claim's order.
+"""Quantities that test the paper's statements: functions of the trajectories that a claim names, in the same order.
 
-`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` combine figures of single motions or joints.
+`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` combine quantities of one trajectory or joint.
 """
 
 import math
@@ -34,29 +34,29 @@ LAST_BURSTS = 27.5  # s; the last two bursts come after this time
 
 
 def ratio(figure: Figure) -> Comparison:
-    """Make a comparison: a figure of a motion divided by the same figure of a second motion."""
+    """Return a function of two trajectories: the quantity `figure` of the first divided by the second's."""
     return lambda motion, reference: figure(motion) / figure(reference)
 
 
 def both(choose: Callable[[Iterable[float]], float], figure: Callable[..., float]) -> Callable[..., float]:
-    """Make a figure of one or several motions: `choose`, such as `max` or `sum`, of the figures of both joints."""
+    """Return a function of one or more trajectories: `choose`, such as `max`, of both joints' values of `figure`."""
     return lambda *motions: choose(figure(*motions, joint=joint) for joint in JOINTS)
 
 
 def joint_2_over_1(figure: FigureOfJoint) -> Figure:
-    """Make a figure of a motion: the figure of joint 2 divided by the figure of joint 1."""
+    """Return a function of a trajectory: the quantity `figure` of joint 2 divided by joint 1's."""
     return lambda motion: figure(motion, 1) / figure(motion, 0)
 
 
 def over_joints(choose: Callable[[Iterable[float]], float], figure: FigureOfJoint) -> Comparison:
-    """Make a comparison: compute each joint's ratio of one motion's figure to a second's, and `choose` one ratio."""
+    """Return a function of two trajectories: `choose` of both joints' ratios of `figure`, first divided by second."""
     return lambda motion, reference: choose(figure(motion, joint) / figure(reference, joint) for joint in JOINTS)
 
 
 def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
-    """Make a comparison of distribution models 1 and 2: ratio of a joint's figure at 0.2 mm clearance to 0.1 mm.
+    """Return a function of the trajectories with clearance distributions 1 and 2: a ratio of a joint's `figure`.
 
-    Joint 1 has the larger clearance in model 2, joint 2 in model 1.
+    The value at 0.2 mm clearance is divided by the value at 0.1 mm. Joint 1 has 0.2 mm in distribution 2, joint 2 in 1.
     """
     return lambda one, two: figure((two, one)[joint], joint) / figure((one, two)[joint], joint)
 
@@ -69,21 +69,21 @@ def contacts_of(motion: Trajectory, joint: int) -> NDArray[np.void]:
 
 
 def settled(motion: Trajectory, joint: int) -> float:
-    """Find the end of a joint's initial impacts [s]: the start of its first lasting contact, or nan without one."""
+    """Return the end of a joint's initial impacts [s]: the start of its first contact of 0.05 s or more, or nan."""
     contacts = contacts_of(motion, joint)
     lasting = contacts["start_s"][contacts["end_s"] - contacts["start_s"] >= LASTING]
     return float(lasting[0]) if len(lasting) else np.nan
 
 
 def contacts_in(motion: Trajectory, joint: int, phase: int) -> NDArray[np.void]:
-    """Return the contacts of a joint that start in a phase of `phase_of`; the first lasting contact is in no phase."""
+    """Return a joint's contacts that start in a phase (1 to 3, see `phase_of`), without the first lasting contact."""
     contacts, first, latched = contacts_of(motion, joint), settled(motion, joint), motion.latch_times[joint]
     start = contacts["start_s"]
     return contacts[{1: start < first, 2: (start > first) & (start < latched), 3: start > latched}[phase]]
 
 
 def phase_of(motion: Trajectory, joint: int) -> NDArray[np.int64]:
-    """Return the (nt,) phase of a joint at every sample: 1 initial impacts, 2 deployment, 3 after latching."""
+    """Return a joint's (nt,) phase at every sample: 1 initial impacts, 2 later deployment, 3 after its latching."""
     changes = settled(motion, joint), motion.latch_times[joint]
     return 1 + np.sum([motion.time >= change for change in changes], axis=0)
 
@@ -136,13 +136,13 @@ def decay(motion: Trajectory, joint: int) -> float:
 
 
 def one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
-    """Return the length of the mean contact direction in a phase: 1 if contacts are on one side, 0 if all round."""
+    """Return the length of the mean unit vector of contact directions in a phase (1 to 3): 1 one-sided, 0 all round."""
     touching = (phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
     return float(np.abs(np.exp(1j * journal_angle(motion, joint)[touching]).mean()))
 
 
 def impacts(motion: Trajectory, joint: int, phase: int = 3) -> float:
-    """Return the number of a joint's contacts that start in a phase of `phase_of`."""
+    """Return the number of a joint's contacts that start in a phase: 1 initial, 2 deployment, 3 after latching."""
     return float(len(contacts_in(motion, joint, phase)))
 
 
@@ -153,13 +153,13 @@ def force_in_deployment(motion: Trajectory, joint: int) -> float:
 
 
 def time_of_turning(motion: Trajectory, joint: int) -> float:
-    """Find the time [s] in the deployment phase at which the journal is furthest from the bearing's centre along y."""
+    """Return the time [s] in the deployment phase at which the journal is furthest from the bearing's centre in y."""
     phase, height = phase_of(motion, joint), motion.eccentricity[:, joint, 1]
     return float(motion.time[np.where(phase == 2, np.abs(height), -1.0).argmax()])
 
 
 def slide(motion: Trajectory, joint: int) -> float:
-    """Return the greatest angle [deg] by which a journal moves round the wall within SLIDE after the latching.
+    """Return the greatest angle [deg] by which a journal moves round the wall within 0.1 s (SLIDE) after the latching.
 
     Anticlockwise in the paper is positive. The paper's panels fold to the other side, so the paper's view mirrors ours.
     """
@@ -175,7 +175,7 @@ def median_peak(motion: Trajectory, joint: int) -> float:
 
 
 def window_forces(motion: Trajectory) -> Array:
-    """Return the (2, windows) greatest contact forces [N] by joint and window after latching."""
+    """Return the (2, windows) greatest contact forces [N] of both joints in each 0.25 s window after latching."""
     edges = windows_after_latching(motion)
     return np.stack([greatest_force(motion, joint, edges) for joint in JOINTS])
 
@@ -186,26 +186,26 @@ def window_force(motion: Trajectory, joint: int) -> float:
 
 
 def bursts(motion: Trajectory) -> float:
-    """Return the rank correlation of contact force and latch torque, greatest values by window after latching."""
+    """Return the rank correlation of greatest contact force and latch torque, over 0.25 s windows after latching."""
     edges = windows_after_latching(motion)
     torques = np.sum([greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
     return rank_correlation(window_forces(motion).max(axis=0), torques)
 
 
 def synchrony(motion: Trajectory) -> float:
-    """Return the rank correlation of both joints' greatest contact forces by window after latching."""
+    """Return the rank correlation of both joints' greatest contact forces in 0.25 s windows after latching."""
     return rank_correlation(*window_forces(motion))
 
 
 def burst_rank(motion: Trajectory) -> float:
-    """Return the mean force rank (0 to 1 over all windows) of the windows that contain the paper's bursts."""
+    """Return the mean rank by contact force (0 weakest, 1 strongest) of the time windows with the paper's bursts."""
     edges, forces = windows_after_latching(motion), window_forces(motion).max(axis=0)
     ranks = forces.argsort().argsort() / (len(forces) - 1)
     return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
 
 
 def late_bursts(motion: Trajectory) -> float:
-    """Return the greatest contact force of both joints after LAST_BURSTS divided by the greatest after latching."""
+    """Return both joints' greatest contact force after 27.5 s (LAST_BURSTS) divided by the greatest after latching."""
     edges = np.array([LAST_BURSTS, motion.time[-1]])
     return max(float(greatest_force(motion, joint, edges)[0]) for joint in JOINTS) / float(
         motion.postlock_peak_force.max()
@@ -213,7 +213,7 @@ def late_bursts(motion: Trajectory) -> float:
 
 
 def first_latch_torque(motion: Trajectory, joint: int) -> float:
-    """Return the greatest latch torque [N m] of a joint within FIRST_PEAK after its latching."""
+    """Return a joint's greatest latch torque [N m] within 0.4 s (FIRST_PEAK) after its latching."""
     since = motion.time - motion.latch_times[joint]
     return float(np.abs(motion.latch_torque[(since >= 0.0) & (since <= FIRST_PEAK), joint]).max())
 
@@ -246,7 +246,7 @@ def swing(motion: Trajectory, joint: int) -> float:
 
 
 def vibration(motion: Trajectory) -> float:
-    """Return the root mean square [rad/s] of the joint rates about their running mean, between the times QUIET."""
+    """Return the root mean square [rad/s] of joint rates about their running mean, between 2 and 12.5 s (QUIET)."""
     width = round(RUNNING_MEAN / float(motion.time[1] - motion.time[0]))
     rates = motion.rates[(motion.time >= QUIET[0]) & (motion.time <= QUIET[1])]
     means = np.stack([np.convolve(rate, np.ones(width) / width, "valid") for rate in rates.T], axis=1)

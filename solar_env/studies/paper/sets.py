@@ -1,4 +1,4 @@
-"""Sets of values for the parameters that the paper leaves open: `identification-shortlist.csv`, `-front.csv`.
+"""Sets of values for parameters that the paper leaves open, from `identification-shortlist.csv` and `-front.csv`.
 
 A search found the sets. Commit d3d47ea is the last with the search program. The page of this study has the results.
 """

@@ -29,11 +29,11 @@ Motions = Mapping[CaseRun, Trajectory]
 
 @dataclass(frozen=True)
 class Finding:
-    """Verdict on a claim, with the measured figures behind the verdict.
+    """Verdict on a claim, with the measured values behind the verdict.
 
     Attributes:
         claim: claim that is judged.
-        median, least, greatest: statistics of the figure over the ensemble.
+        median, least, greatest: statistics of the claim's quantity over the ensemble.
         agreeing: fraction of the ensemble members in which the claim holds.
         holds_for: parameter that the paper leaves open -> values at which the claim holds, the default included.
         fails_for: parameter that the paper leaves open -> values at which the claim fails, the default included.
@@ -49,12 +49,12 @@ class Finding:
 
     @property
     def agrees(self) -> bool:
-        """True if the claim holds for the median."""
+        """True if the claim holds for the ensemble's median."""
         return self.claim.holds(self.median)
 
 
 def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[CaseRun]:
-    """List all runs that the claims need, the longest first."""
+    """Return all runs that the claims need, the longest first; `members` is the ensemble's size at preset values."""
     runs = [CaseRun(case, member) for claim in claims for case in claim.cases for member in range(members)]
     for claim in claims:
         for parameter in claim.open_parameters:
@@ -69,7 +69,7 @@ def _range_members(claim: Claim) -> range:
 
 
 def judge(claim: Claim, motions: Motions) -> Finding:
-    """Judge a claim by its figure, measured on the runs that `planned_runs` lists."""
+    """Judge a claim by its quantity; `motions` maps the runs from `planned_runs` to their trajectories."""
     members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.changes})
     figures = _figures(claim, motions, members)
     median, preset = float(np.median(figures)), ArrayParameters.preset("paper")
@@ -89,14 +89,14 @@ def judge(claim: Claim, motions: Motions) -> Finding:
 
 
 def _figures(claim: Claim, motions: Motions, members: Iterable[int], changes: Changes = ()) -> np.ndarray:
-    """Return the claim's figure for each ensemble member, with the preset or with `changes` to the preset."""
+    """Return the claim's quantity for each ensemble member, with the preset or with `changes` to the preset."""
     return np.array(
         [claim.value({case: motions[CaseRun(case, member, changes)] for case in claim.cases}) for member in members]
     )
 
 
 def as_rows(findings: Iterable[Finding]) -> list[Row]:
-    """List the findings as table rows; a cell names the values of open parameters at which the claim holds."""
+    """Return the findings as table rows; the column `holds_at` has the parameter values at which the claim holds."""
     rows: list[Row] = []
     for one in findings:
         claim = one.claim
@@ -108,7 +108,7 @@ def as_rows(findings: Iterable[Finding]) -> list[Row]:
 
 
 def summary(findings: Sequence[Finding]) -> str:
-    """State in a sentence how many claims agree."""
+    """Return two sentences on how many claims agree with the paper."""
     free = [finding for finding in findings if not finding.claim.by_construction]
     agreeing = sum(finding.agrees for finding in free)
     chosen = len(findings) - len(free)
@@ -119,7 +119,7 @@ def summary(findings: Sequence[Finding]) -> str:
 
 
 def as_markdown(findings: Sequence[Finding]) -> str:
-    """Format the claims that differ as a table in Markdown; claims that differ for one reason share a line."""
+    """Return a Markdown table of the claims that disagree; claims that disagree for the same reason share a row."""
     by_reason: dict[str, list[Finding]] = {}
     for one in findings:
         if not one.agrees:
@@ -140,7 +140,7 @@ def as_markdown(findings: Sequence[Finding]) -> str:
 
 
 def _places(finding: Finding) -> str:
-    """Name the values of open parameters at which the claim holds."""
+    """List in words the values of open parameters at which the claim holds, and at which it fails."""
     places = []
     for name, held in finding.holds_for.items():
         failed = finding.fails_for[name]

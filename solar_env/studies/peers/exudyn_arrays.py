@@ -1,6 +1,6 @@
-"""The array in Exudyn (J. Gerstmayr, Multibody Syst. Dyn. 60 (2024) 379, doi:10.1007/s11044-023-09937-1): the peer.
+"""Models of the array in Exudyn (J. Gerstmayr, Multibody Syst. Dyn. 60 (2024) 379, doi:10.1007/s11044-023-09937-1).
 
-All parts that carry a force are compiled objects of the library, chosen for their speed:
+All parts that exert a force are compiled objects of Exudyn, chosen for their speed:
 
 * rigid panels: planar bodies with three coordinates each; one linear stiffness matrix on the bodies' rotations holds
   springs and cable loop;
@@ -9,7 +9,7 @@ All parts that carry a force are compiled objects of the library, chosen for the
   the chord of the inner panel, against which the wheels of the cable loop turn;
 * clearance: a sphere in a hollow sphere with exponent 1.5 and Hunt and Crossley's damping 3 (1 - e) / 2, in which the
   coefficient of restitution e is set so that the damping factor equals ours;
-* latches: the stop's torque as a symbolic expression, which the library evaluates itself.
+* latches: the stop's torque as a symbolic expression, which Exudyn evaluates itself.
 """
 
 import itertools
@@ -28,7 +28,7 @@ _ROTATIONS = ((-math.pi / 2, 1.0), (math.pi, -1.0))
 
 
 def build_peer(scene: Scene, implicit: bool) -> PeerArray:
-    """Assemble a scene's array for an implicit or an explicit solver; explicit solvers take no constraints."""
+    """Return the Exudyn model of a scene's array; `implicit` allows constraints, which explicit solvers do not take."""
     p = scene.parameters
     if p.panel_count != 2 or max(p.entries("friction_speed_zero")) > 0.0:
         raise ValueError("the peer's objects express two panels, and friction that sets in at rest")
@@ -40,10 +40,10 @@ def build_peer(scene: Scene, implicit: bool) -> PeerArray:
 
 
 class RigidArray(PeerArray):
-    """Peer array of rigid bodies with three planar coordinates each."""
+    """Exudyn model of the array with rigid bodies of three planar coordinates each."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return the pairs of coordinate markers that the latches act on."""
+        """Add all parts except the latches; return a pair of coordinate markers for the latch of each joint."""
         p, system = self.p, self.system
         node, body = self.base()
         nodes, bodies = [node], [body]
@@ -68,16 +68,16 @@ class RigidArray(PeerArray):
         return list(itertools.pairwise(turns))
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Return the joint angles [rad] from the rotations of the main body and both panels."""
+        """Return the two joint angles [rad]; `values`: rotations [rad] of main body, panel 1 and panel 2."""
         base, first, second = values
         return first - base, first - second
 
 
 class TreeArray(PeerArray):
-    """Peer array as a kinematic tree, whose coordinates are the main body's three and the two joint angles."""
+    """Exudyn model of the array as a kinematic tree: three coordinates of the main body, and one for each hinge."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return the pairs of coordinate markers that the latches act on."""
+        """Add all parts except the latches; return a pair of coordinate markers for the latch of each joint."""
         p, system = self.p, self.system
         joint = exudyn.JointType
         node = system.AddNode(
@@ -117,15 +117,15 @@ class TreeArray(PeerArray):
         return [(self.ground, marker) for marker in turned]
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Return the joint angles [rad] from the coordinates of the tree's joints."""
+        """Return the two joint angles [rad]; `values`: the tree's coordinates [rad] of hinges 1 and 2."""
         return values[0], -values[1]
 
 
 class BeamArray(PeerArray):
-    """Peer array with panels of cable elements in absolute nodal coordinates."""
+    """Exudyn model of the array with panels of cable elements in absolute nodal coordinates."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return the pairs of coordinate markers that the latches act on."""
+        """Add all parts except the latches; return a pair of coordinate markers for the latch of each joint."""
         p, system, elements = self.p, self.system, self.scene.level.count
         base, body = self.base()
         length = self.panel.length / elements
@@ -172,14 +172,18 @@ class BeamArray(PeerArray):
         return [(self.ground, marker) for marker in rotations]
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Return the joint angles [rad] from the main body's rotation and slope vectors (x, y) at three panel ends."""
+        """Return the two joint angles [rad].
+
+        `values`: the main body's rotation [rad], then the slope vectors (x, y) at the root of panel 1, the tip of panel
+        1 and the root of panel 2.
+        """
         turn, root_x, root_y, tip_x, tip_y, outer_x, outer_y = values
         first = np.arctan2(root_x, -root_y) - turn
         second = math.pi - np.arctan2(tip_x * outer_y - tip_y * outer_x, tip_x * outer_x + tip_y * outer_y)
         return first, np.where(second > 1.75 * math.pi, second - 2.0 * math.pi, second)
 
     def _torques(self, ends: Any, markers: list[tuple[int, int]]) -> list[int]:
-        """Add the hinge springs and the cable loop; return the markers of the joints' relative rotations."""
+        """Add hinge springs and cable loop at the joints' `ends`; return markers of the joints' relative rotations."""
         p, system = self.p, self.system
         rotations = []
         for j, (folded, sense) in enumerate(_ROTATIONS):
@@ -207,7 +211,7 @@ class BeamArray(PeerArray):
         return rotations
 
     def _rotation(self, inner: Any, outer: Any, folded: float) -> int:
-        """Add a marker of the relative rotation between two points (body, x, y), counted from the folded angle."""
+        """Add a marker of the rotation between two points (body, x, y) from the folded angle on; return its number."""
         data = items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1)
         marker = items.MarkerBodiesRelativeRotationCoordinate(
             bodyNumbers=[inner[0], outer[0]],
@@ -220,7 +224,7 @@ class BeamArray(PeerArray):
         return int(self.system.AddMarker(marker))
 
     def _belt(self, ends: Any) -> int:
-        """Add a massless body along the inner panel's chord; it is pinned to the panel's root and slides at the tip."""
+        """Add a massless body along panel 1's chord, pinned at the root and sliding at the tip; return its number."""
         p, system = self.p, self.system
         speed, spin = self.release()[0]
         node = items.NodeRigidBody2D(

@@ -25,10 +25,10 @@ class PeerArray(ABC):
     Attributes:
         scene, p: the simulated scene, and the scene's parameters.
         system: system to be solved.
-        watched: coordinates that determine the joint angles, each as (node, index in the node, value at rest).
+        watched: coordinates that determine the joint angles, each as (node, index in the node, reference value).
         sensors: node -> sensors of the node's coordinates and of their rates.
         contacts: sensors of the joints' contact forces; empty without clearance, or if the scene keeps no forces.
-        latch_times: latch times of the joints [s], nan while open; filled while the system is solved.
+        latch_times: latch times of the joints [s], nan while open; written while the system is solved.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -48,14 +48,14 @@ class PeerArray(ABC):
 
     @abstractmethod
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return the pairs of coordinate markers that the latches act on."""
+        """Add all parts except the latches; return a pair of coordinate markers for the latch of each joint."""
 
     @abstractmethod
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Return the joint angles [rad] from the values of the watched coordinates."""
+        """Return the two joint angles [rad]; `values` are the coordinates in `watched`, in the same order."""
 
     def release(self) -> list[tuple[float, float]]:
-        """Return the speed along x of the inner end [m/s] and spin [rad/s] of each folded panel at t = 0."""
+        """Return (speed of the inner end along x [m/s], spin [rad/s]) of each folded panel at t = 0."""
         rates = [self.p.by_joint("initial_rate", j) for j in (0, 1)]
         return [(0.0, rates[0]), (self.panel.length * rates[0], rates[0] - rates[1])]
 
@@ -66,11 +66,11 @@ class PeerArray(ABC):
         return node, self.system.AddObject(body)
 
     def point(self, body: int, x: float, y: float = 0.0) -> int:
-        """Add a marker at a body's point (x, y) in the body's frame [m]."""
+        """Add a marker at a body's point (x, y) in the body's frame [m], and return the marker's number."""
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:
-        """Add torques of springs and cable loop; `to_angles` (2, n) is the matrix from coordinates to joint angles."""
+        """Add torques of springs and cable loop on `nodes`; `to_angles` (2, n) turns coordinates into joint angles."""
         p = self.p
         springs = [p.by_joint("spring_stiffness", j) for j in (0, 1)]
         relaxed = [p.by_joint("spring_preload_angle", j) for j in (0, 1)]
@@ -115,7 +115,7 @@ class PeerArray(ABC):
                 self.contacts.append(system.AddSensor(sensor))
 
     def watch(self, *coordinates: tuple[int, int, float]) -> None:
-        """Add sensors of `coordinates`, in the order that `angles` takes them, and of their rates; set `watched`."""
+        """Store `coordinates` (node, index, reference value) in `watched`, and add sensors of these and their rates."""
         self.watched = list(coordinates)
         for node, _, _ in coordinates:
             if node not in self.sensors:
@@ -129,7 +129,7 @@ class PeerArray(ABC):
                 self.sensors[node] = place, rate
 
     def _add_latches(self, coordinates: list[tuple[int, int]]) -> None:
-        """Add latches on marker pairs and assemble; a latch engages at the first step past the lock angle."""
+        """Add a latch on each marker pair, and assemble all; a latch engages at the first step past the lock angle."""
         system, latch_times, objects = self.system, self.latch_times, []
         locks = [joint.lock_angle for joint in self.p.joints]
         for j, pair in enumerate(coordinates):
@@ -167,7 +167,7 @@ class PeerArray(ABC):
 
 
 def _stop_expression(stop: Stop, lock: float) -> Callable[..., Value]:
-    """Make the torque function of a two-sided stop round the coordinate `lock`, for the equations' left-hand side."""
+    """Return the torque function of a two-sided stop at coordinate `lock` [rad], for the equations' left-hand side."""
     symbolic = exudyn.symbolic
 
     def one_side(depth: Value, closing_rate: Value) -> Value:

@@ -1,4 +1,4 @@
-"""Runs of Exudyn, with solver settings that suit the scenes best, and their conversion to motions."""
+"""Runs of Exudyn, with solver settings that suit the deployments best, and their conversion to `Motion` records."""
 
 import math
 import time as clock

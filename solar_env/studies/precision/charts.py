@@ -1,4 +1,4 @@
-"""Table of the studies of speed against accuracy, with their measurement and drawing."""
+"""List of the studies of speed against accuracy, and functions that measure and draw them."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -31,7 +31,7 @@ def table_file(study: str) -> str:
 
 
 def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Console) -> None:
-    """Measure the named studies and write their tables, in about an hour, or in two minutes if `quick`."""
+    """Measure the named studies, and write their tables to `folder`; takes about an hour, or two minutes if `quick`."""
     plan = QUICK if quick else FULL
     if peer_is_missing():
         console.print(MISSING_PEER, highlight=False, markup=False, soft_wrap=True)

@@ -1,6 +1,6 @@
 """Convergence of the panel models: errors and costs of rigid panels, beams of 1 to 48 elements, and 4 to 48 modes.
 
-With ideal joints a level is compared with the finest modal panels. With clearance the motion is chaotic, and only
+With ideal joints a model level is compared with the finest modal panels. With clearance the motion is chaotic, and only
 ensemble means can be compared. An ensemble's runs start at slightly different release rates, see `perturbed`.
 """
 
@@ -47,7 +47,7 @@ Key = tuple[Ensemble, int | None]
 
 
 def family(level: Ensemble) -> str:
-    """Return the panel kind of a level: "rigid", "elements" or "modes"."""
+    """Return the kind of panels of a model level: "rigid", "elements" or "modes"."""
     return _level(level, "ideal").panels.unit or "rigid"
 
 
@@ -57,7 +57,7 @@ def _level(level: Ensemble, joint: str) -> Level:
 
 
 def runs(plan: ChartPlan) -> dict[Key, Job]:
-    """Make the jobs of every level: one deployment with ideal joints, and an ensemble with clearance.
+    """Return the jobs of every model level: one deployment with ideal joints, and an ensemble with clearance.
 
     Jobs are ordered by member, so that disturbances of the machine affect all levels alike.
     """
@@ -75,13 +75,13 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
-    """Simulate one ensemble member of a scene at a level of the model."""
+    """Simulate a scene's deployment at a model level, with the perturbations of ensemble member `member`."""
     parameters = perturbed(scene.parameters, member)
     return run_ours(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
 def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
-    """Make a table row for every level: cost and errors with ideal joints, then ensemble means with clearance."""
+    """Return a table row per model level: cost and errors with ideal joints, then ensemble means with clearance."""
     finest = [level for level in plan.levels if family(level) == MODES][-1]
     reference = results[finest, None].motion
     if reference is None:
@@ -105,7 +105,7 @@ def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
 
 
 def _means(ensemble: list[Measured]) -> Row:
-    """Return the number and median time of completed runs, and means and standard errors by statistic and joint."""
+    """Return table cells: number and median time of completed runs; means and standard errors of MEANS by joint."""
     ended = [(result.wall, result.motion.totals) for result in ensemble if result.motion is not None]
     count = len(ended)
     row: Row = {"runs": count, "wall_s": float(np.median([wall for wall, _ in ended])) if ended else math.nan}
@@ -118,7 +118,7 @@ def _means(ensemble: list[Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Draw errors (ideal joints) and means (clearance) with wall times, and write a Markdown page; return the files."""
+    """Plot wall times against errors (ideal joints) and means (clearance), write Markdown tables; return both files."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):
@@ -147,7 +147,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str) -> tuple[float, float]:
-    """Return the relative difference of the first mean from the second, and its standard error; nan if unknown."""
+    """Return the relative difference of two rows' means in column `name`, and its standard error; nan if unknown."""
     (mean, error), (right, right_error) = (
         [number(row, name + end) for end in ("", "_error")] for row in (first, second)
     )
@@ -157,7 +157,7 @@ def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str)
 
 
 def conclusion(rows: Table) -> str:
-    """State whether the finest beams and the finest modes have the same means, and their greatest difference."""
+    """Return a title on whether the finest beams and modes have the same means, with their greatest difference."""
     beams, modes = (rows.where(family=kind).rows[-1] for kind in (ELEMENTS, MODES))
     found = [
         (*difference(beams, modes, f"{statistic}_{joint}"), f"{label.partition(' [')[0]} of joint {joint}")
@@ -175,7 +175,7 @@ def conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Format the errors and the means in Markdown; many levels are reduced to `_ON_PAGE`."""
+    """Return Markdown tables of the errors and the means; if there are many levels, only `_ON_PAGE`."""
     shown = [row for row in rows.rows if len(rows.rows) <= len(_ON_PAGE) or row["level"] in _ON_PAGE]
     errors = [
         [str(row["level"]), f"{number(row, 'wall_ideal_s'):.3g}", *(f"{number(row, error):.1e}" for error in ERRORS)]

@@ -1,4 +1,4 @@
-"""Methods compared in the charts, each at several steps or tolerances from the coarsest to the finest.
+"""Simulation methods that the charts compare, each at several steps or tolerances from coarsest to finest.
 
 To add an integrator, add a row to METHODS.
 """
@@ -29,7 +29,7 @@ class Method:
 
     Attributes:
         setting: quantity that is varied: "rtol" or "step" [s].
-        program: function from a scene and a setting to a motion; raises SimulationError if the run cannot go on.
+        program: function from a `Scene` and a setting to a `Motion`; raises SimulationError if the run cannot go on.
         settings: model -> values of the setting; the method is not run on models without an entry.
         peer: true if the method is Exudyn's.
         panels: the only flexible panels that the method can simulate, such as "32 modes"; empty for any panels.
@@ -47,11 +47,11 @@ class Method:
         return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
-        """Simulate a scene at a setting, on the method's panels if the method prescribes panels."""
+        """Simulate a scene at a setting, with the flexible panels that the method prescribes, if any."""
         return self.program(self.scene(scene), setting)
 
     def scene(self, scene: Scene) -> Scene:
-        """Return the scene on the method's panels, or unchanged if the method prescribes no panels."""
+        """Return the scene with the flexible panels that the method prescribes, or unchanged without such panels."""
         return replace(scene, model=with_panels(scene.model, self.panels)) if self.panels else scene
 
     def size(self, scene: Scene) -> str:
@@ -60,12 +60,12 @@ class Method:
 
 
 def ours(make: Callable[[float], Integrator]) -> Program:
-    """Make a program from a function that turns a setting into one of the project's integrators."""
+    """Return a program that simulates with this library's integrator; `make` returns the integrator for a setting."""
     return lambda scene, setting: run_ours(scene, make(setting))
 
 
 def exudyn(solver: str) -> Program:
-    """Make a program from one of Exudyn's solvers, see `exudyn_runs`; Exudyn is loaded when the program runs."""
+    """Return a program that simulates with a solver of Exudyn, see `run_exudyn`; Exudyn is imported when it runs."""
 
     def solve(scene: Scene, setting: float) -> Motion:
         from solar_env.studies.peers.exudyn_runs import run_exudyn

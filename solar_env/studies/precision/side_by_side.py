@@ -1,4 +1,4 @@
-"""Whole deployments side by side: our default settings against the peer's (Exudyn's) cheapest, at equal error.
+"""Whole deployments side by side: this library's default settings against the cheapest of Exudyn, at equal error.
 
 Errors include the panel models' errors, because users get the sum. With flexible panels, angles and latch times are
 compared with beams of 24 elements: the peer's panel model, four times as fine. Peak forces are compared with an
@@ -67,7 +67,7 @@ _COLUMNS = (
 
 @dataclass(frozen=True)
 class Case:
-    """A run of the comparison.
+    """A run of the comparison with Exudyn, the peer.
 
     Attributes:
         model: one of `array.MODELS`.
@@ -101,7 +101,7 @@ def _job(plan: ChartPlan, case: Case) -> Job:
 
 
 def runs(plan: ChartPlan) -> dict[Case, Job]:
-    """Make the jobs: deployments with every method; with clearance also our ensembles and the peer's forces."""
+    """Return the jobs: deployments by all methods; with clearance also our ensembles, and the peer's contact forces."""
     cases: list[Case] = []
     for model in plan.models:
         ours = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OURS[model])]
@@ -116,7 +116,7 @@ def runs(plan: ChartPlan) -> dict[Case, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
-    """Make a table row for every method and setting: cost, errors, and ratios of peak forces."""
+    """Return a table row for every method and setting: cost, errors, peak-force ratios to the converged ensemble."""
     rows: list[Row] = []
     for case, result in results.items():
         if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE):
@@ -150,7 +150,7 @@ def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
 
 
 def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
-    """Return mean peak forces divided by the converged ensemble's, and their standard errors; nan if unknown."""
+    """Return table cells: mean peak forces divided by the converged ensemble's, and standard errors, or nan."""
     means, errors = np.full(2, math.nan), np.full(2, math.nan)
     forces, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
     if len(forces) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
@@ -182,7 +182,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
-    """Return a peer run's wall time divided by our least wall time at no larger errors; nan if ours are all larger."""
+    """Return the wall time in row `peer` divided by our least wall time at no larger errors; nan if ours are larger."""
     walls = [
         number(row, "wall_s")
         for row in rows.where(model=peer["model"], peer=0).rows
@@ -192,7 +192,7 @@ def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """State for each model the least ratio of the peer's wall time to ours at no larger error."""
+    """Return a title with the least ratio, for each model, of the peer's wall time to ours at no larger error."""
     least: dict[str, float] = {}
     for row in rows.where(peer=1).rows:
         ratio = ratio_at_equal_error(rows, row)
@@ -204,7 +204,7 @@ def _conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Format two Markdown tables, for our default settings and for the peer's settings."""
+    """Return two Markdown tables: one for this library's default settings, one for Exudyn's settings."""
     ours = [[str(row["model"]), str(row["panels"]), *_cells(row)] for row in rows.where(method=DEFAULT).rows]
     peer = []
     for row in rows.where(peer=1).rows:

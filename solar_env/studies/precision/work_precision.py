@@ -39,7 +39,7 @@ _FITTED = 3  # number of settings to which an order is fitted
 
 
 def runs(plan: ChartPlan) -> dict[Key, Job]:
-    """Make the jobs: every method at every setting on every model, the reference runs included."""
+    """Return the jobs: every method at every setting on every model, reference runs included."""
     jobs: dict[Key, Job] = {}
     for model in plan.models:
         chosen = [
@@ -57,7 +57,7 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
-    """Make a table row for every method at every setting, with the error floor of the row's model and panels."""
+    """Return a table row for every method at every setting, with the error floor of the row's model and panels."""
     by_panels: dict[tuple[str, str], tuple[Motion, float]] = {}
     for model in plan.models:
         for name, values in REFERENCES[model]:
@@ -87,7 +87,7 @@ def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
 
 
 def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
-    """Return a run's errors of joint angles before the latching, and of latch times; nan if the run failed."""
+    """Return a run's errors, against run `right`, of angles before the latching and latch times; nan if it failed."""
     if motion is None:
         return dict.fromkeys(ERRORS, math.nan)
     return {
@@ -97,7 +97,7 @@ def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Draw a grid of plots, with models as columns and costs as rows, and write the Markdown page; return the files."""
+    """Plot costs (rows) against errors for each model (columns), and write a Markdown table; return both files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
     figure, axes = make_figure(len(COSTS), len(models), (max(2.15, 6.4 / len(models)), 1.9), len(looks))
@@ -119,7 +119,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def draw_curves(axis: Axes, rows: Table, error: str, cost: str, looks: Mapping[str, Look], by: str = "method") -> None:
-    """Draw one curve of cost against error for each value of the column `by`, on logarithmic axes."""
+    """Plot column `cost` against column `error` on logarithmic axes, a curve for each value of column `by`."""
     axis.set(xscale="log", yscale="log")
     for name in rows.values(by):
         curve = rows.where(**{by: name})
@@ -131,7 +131,7 @@ def draw_curves(axis: Axes, rows: Table, error: str, cost: str, looks: Mapping[s
 
 
 def cheapest(rows: Table) -> Mapping[str, Cell] | None:
-    """Return the row of least wall time with an error within the goal; None if no error is within the goal."""
+    """Return the row of least wall time with an angle error of GOAL or less; None if no row is so accurate."""
     within = [row for row in rows.rows if 0.0 < number(row, ERROR) <= GOAL]
     return min(within, key=lambda row: number(row, "wall_s"), default=None)
 
@@ -153,7 +153,7 @@ def order(rows: Table) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """State for each model the cheapest method whose error is within the goal."""
+    """Return a title with the cheapest method for each model whose angle error is GOAL or less."""
     best: dict[str, list[str]] = {}
     for model in rows.values("model"):
         row = cheapest(rows.where(model=model))
@@ -165,7 +165,7 @@ def _conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Format the least wall time within the goal, and the order, of every method on every model in Markdown."""
+    """Return a Markdown table by method and model: least wall time for an error of GOAL or less, and observed order."""
     models = rows.values("model")
     lines = [
         [str(method), *(_least(rows.where(model=model, method=method)) for model in models)]
@@ -176,7 +176,7 @@ def _page(rows: Table) -> str:
 
 
 def _least(rows: Table) -> str:
-    """Format the least wall time of one method on one model within the goal; empty if the method was not run."""
+    """Format a method's least wall time on a model for an error of GOAL or less, and the order; empty if not run."""
     row = cheapest(rows)
     found = order(rows) if rows.rows else math.nan
     words = f"{row['wall_s']:.3g}" if row else "not reached" if rows.rows else ""

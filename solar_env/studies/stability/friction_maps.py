@@ -36,7 +36,7 @@ def creep_speed(speed_zero: float, speed_full: float) -> float:
 
 
 def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
-    """Simulate a journal that a torque of half the friction limit turns, with the integrator that `panel` names."""
+    """Simulate a journal under half the limiting friction torque; speeds [m/s] bound the ramp, `panel`: integrator."""
     bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, FRICTION, (speed_zero, speed_full))
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
     torque = SHARE * FRICTION * normal * RADIUS
@@ -56,7 +56,7 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
 
 
 def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Finding:
-    """Measure the creep speed at half the friction limit; slow creep with explicit steps below SHORT_STEP is stiff."""
+    """Measure the creep speed at half the friction limit, and classify the run: wrong, creeping, stiff or fine."""
 
     def judge(run: Trajectory) -> Finding:
         speed, expected = float(run.rates[-1, 0]) * RADIUS, creep_speed(speed_zero, speed_full)

@@ -1,8 +1,8 @@
 """Stability maps, which show where numerical methods fail: definition of a map, and measurement of its cells.
 
-A map has two axes and one or more panels. Each cell is one small run with a known answer. A cell has a class, and keeps
-the library's report on the run: an error, a warning, or a figure of the result. A cell that fails without a report is a
-fault of the library: see `silent_failures`.
+A map has two axes and one or more panels. Each cell of a map is one small run with a known answer. The run is
+classified by how it fails, and the library's report on it is kept: an error, a warning, or a quantity of the result. A
+run that fails without a report is a fault of the library: see `silent_failures`.
 """
 
 import math
@@ -21,7 +21,7 @@ Result = TypeVar("Result")
 
 
 class Kind(StrEnum):
-    """Classes of cells, in the order of their colours in a legend."""
+    """Outcomes by which the runs of a map are classified, in the order of the legend."""
 
     FINE = "fine"
     STIFF = "stiff"  # is right, with steps far shorter than the motion needs
@@ -37,7 +37,7 @@ class Kind(StrEnum):
 
 
 class Said(StrEnum):
-    """Kinds of the library's report on a run."""
+    """Kinds of the library's report on a run: an error, a warning, a quantity of the result, or nothing."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -57,7 +57,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Finding:
-    """Result in one cell of a map: class, value measured (nan if the run raised), and the library's report."""
+    """Result of a run in a map: outcome, measured value (nan if the run raised an error), and the library's report."""
 
     kind: Kind
     value: float
@@ -81,27 +81,27 @@ class StabilityMap:
     limit_label: str = ""  # meaning and origin of the limit
 
     def cells(self, quick: bool) -> Iterator[tuple[str, Value, Value]]:
-        """Yield (panel, x, y) of every cell, on the coarse grid if `quick`, else on the full grid."""
+        """Yield (panel, x, y) of every run of the map, on the coarse grid if `quick`, else on the full grid."""
         for panel in self.panels:
             for y in self.y.quick if quick else self.y.full:
                 for x in self.x.quick if quick else self.x.full:
                     yield panel, x, y
 
     def row(self, panel: str, x: Value, y: Value) -> Mapping[str, Cell]:
-        """Measure a cell and return its row of the table."""
+        """Simulate and classify the run at a panel, x and y, and return its table row."""
         cell = self.measure(panel, x, y)
         place = {"panel": panel, self.x.column: x, self.y.column: y, "class": cell.kind, "value": cell.value}
         return {**place, "limit": self.limit(panel, y), "said": cell.said, "message": cell.message}
 
     def description(self) -> dict[str, str]:
-        """Return the texts that a figure needs beside the rows; the table's provenance stores the texts."""
+        """Return the texts that a plot needs besides the table's rows; they are stored in the table's provenance."""
         axes = {"x": self.x.column, "y": self.y.column, "x label": self.x.label, "y label": self.y.label}
         texts = {"value": self.quantity, "limit": self.limit_label, "advice": self.advice}
         return {"title": self.title, **axes, **texts}
 
 
 def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Finding:
-    """Call `run`, and classify an error by its reason, or the result by `judge`; add the library's warnings."""
+    """Call `run`; classify its result with `judge`, or its error by the reason; add warnings; return the finding."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
         try:
@@ -118,7 +118,7 @@ def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Fin
 
 
 def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
-    """Classify a quantity by its lowest and highest ratio to the exact value; above 2, or nan, is a blow-up."""
+    """Classify a run by lowest and highest ratio of a quantity to its exact value; above 2, or nan, is a blow-up."""
     if not highest <= 2.0:
         return Kind.BLOW_UP
     if highest > 1.0 + tolerance:
@@ -127,7 +127,7 @@ def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
 
 
 def silent_failures(table: Table) -> Table:
-    """Return the rows of a map that fail although the library said nothing; there should be no such row."""
+    """Return the rows of a map's table whose runs failed without a report by the library; there should be no row."""
     kept = (row for row in table.rows if row["class"] != Kind.FINE and row["said"] == Said.SILENT)
     return Table(tuple(kept), table.provenance)
 

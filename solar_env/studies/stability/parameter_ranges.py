@@ -38,13 +38,13 @@ FINE, WARNED, STOPPED, REFUSED, SILENT = "fine", "warned", "stopped", "refused",
 
 
 def scaled(name: str, factor: float = 1.0) -> tuple[float, ...]:
-    """Return `factor` times a parameter's base value, with one entry, or one per joint for values given by joint."""
+    """Return `factor` times a parameter's base value: one entry, or one per joint if the value is given by joint."""
     value: Any = COUNTED_FROM.get(name, getattr(ArrayParameters(), name))
     return tuple(factor * entry for entry in (value if isinstance(value, tuple) else (float(value),)))
 
 
 def trial(name: str, factor: float, model: str, duration: float = DURATION) -> Row:
-    """Deploy the array with one parameter scaled; return a row with the outcome and the library's message."""
+    """Simulate a deployment with one parameter scaled; return a table row with outcome and message."""
     values = scaled(name, factor)
     change: dict[str, Any] = {**BESIDE.get(name, {}), name: values if len(values) > 1 else values[0]}
 
@@ -69,7 +69,7 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
 
 
 def measure(path: Path, tick: Callable[[], object]) -> None:
-    """Run the trials of all parameters, models and factors, and write the table; call `tick` after each trial."""
+    """Simulate all combinations of parameter, model and factor, and write the table; call `tick` after each run."""
     rows = []
     for name in NAMES:
         for model in MODELS:

@@ -14,7 +14,7 @@ MAPS: dict[str, StabilityMap] = {one.name: one for one in ALL}
 
 
 def measure_map(name: str, quick: bool, path: Path, progress: Callable[[], None]) -> None:
-    """Measure a map's cells, all or a `quick` few, and write the map's table; call `progress` after each cell."""
+    """Simulate a map's runs (few if `quick`), and write its table to `path`; call `progress` after each run."""
     chosen, rows = MAPS[name], []
     for panel, x, y in chosen.cells(quick):
         rows.append(chosen.row(panel, x, y))

@@ -1,4 +1,4 @@
-"""Figures of stability maps, drawn from their tables alone."""
+"""Plots of stability maps, drawn from their tables alone."""
 
 import math
 import textwrap
@@ -27,7 +27,7 @@ _IN_A_LINE = 6  # classes in a line of the legend
 
 
 def draw_map(table_path: Path, figure_path: Path) -> None:
-    """Draw a stability map from its CSV table: panels of cells with class and value, a limit, a legend and advice.
+    """Plot a stability map from its CSV table: cells with outcome and value, a theoretical limit, legend and advice.
 
     Raises:
         ValueError: if the table is not a map's table.
@@ -81,7 +81,7 @@ def _draw_panel(axes: Axes, table: Table, about: Mapping[str, str]) -> None:
 
 
 def _place(limit: float, ticks: NDArray[np.float64]) -> float:
-    """Return the axis position of a limit among equally spaced ticks, by logarithmic interpolation; nan outside."""
+    """Return the axis position of a limit between ticks (drawn 1 apart), interpolated logarithmically; nan outside."""
     if not limit > 0.0 or not (ticks > 0.0).all():
         return math.nan
     places = np.interp(math.log(limit), np.log(ticks), np.arange(len(ticks)), left=math.nan, right=math.nan)

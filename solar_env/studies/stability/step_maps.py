@@ -30,7 +30,7 @@ MOST_STEPS = 300_000
 
 
 def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
-    """Return the (STEPS,) multiplier errors after the step changes by `ratio`, divided by the greatest force."""
+    """Return the (STEPS,) multiplier errors after a step change by factor `ratio`, divided by the greatest force."""
     simulation = Simulation(pendulum(), GeneralizedAlpha(step=FIRST_STEP, rho_inf=rho_inf))
     simulation.advance(CHANGE_TIME)
     simulation.integrator = GeneralizedAlpha(step=ratio * FIRST_STEP, rho_inf=rho_inf)
@@ -44,7 +44,7 @@ def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
 
 
 def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Finding:
-    """Measure the greatest multiplier error after a step change: fine to a fifth of the force, spikes if transient."""
+    """Measure the greatest multiplier error after a step change; classify it as fine (up to 0.2), spikes or growing."""
 
     def judge(errors: NDArray[np.float64]) -> Finding:
         tolerance = 2.0 * LARGEST_FORCE_SHARE
@@ -56,7 +56,7 @@ def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Finding:
 
 
 def swinging_link(stiffness: float) -> Mechanism:
-    """Make a link that turns about a fixed hinge into a latch, an undamped linear stop of a stiffness [N m/rad]."""
+    """Return a link that turns about a fixed hinge into a latch: an undamped linear stop with `stiffness` [N m/rad]."""
     stop = Stop(GAP, stiffness, exponent=1.0, ramp_depth=1e-3, damping=0.0)
     joint = Joint("hinge", GROUND, "link", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=LOCK)
     return Mechanism((Link(1.5, 6.0, INERTIA - 6.0 * 0.75**2).body("link", 0j, 0.0, 0j, RATE),), (joint,))
@@ -68,7 +68,7 @@ def impact_time(stiffness: float) -> float:
 
 
 def measure_latch(panel: str, step: float, stiffness: float) -> Finding:
-    """Measure the ratio of final to initial energy in a latch; wrong if the energy is right but the depth is not."""
+    """Measure and classify the ratio of final to initial energy in a latch; right energy at a wrong depth is wrong."""
     duration = LATCH_TIME + 2.0 * impact_time(stiffness)
     method: Integrator = RungeKutta(max_step=step, max_steps=MOST_STEPS)
     if panel != EXPLICIT:

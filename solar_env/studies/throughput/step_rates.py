@@ -41,13 +41,13 @@ def moments(model: str) -> tuple[State, ...]:
 
 
 def placements(model: str, lanes: int) -> list[list[State]]:
-    """Return lists of saved states, one state for each lane; together the lists cover all MOMENTS states."""
+    """Return lists that have a saved state for each lane (environment); together the lists cover all MOMENTS states."""
     every = moments(model)
     return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
 
 def spread(model: str, lanes: int) -> list[State]:
-    """Return one saved state for each lane, spread evenly over the deployment."""
+    """Return one saved state for each lane (environment), spread evenly over the deployment."""
     return [moments(model)[(lane * MOMENTS) // lanes] for lane in range(lanes)]
 
 
@@ -66,14 +66,14 @@ class FromMoment(gymnasium.Wrapper):
 
 
 def make_native(model: str, lanes: int, threads: int | None = None) -> SolarArrayVectorEnv:
-    """Make a native vector environment (this project's SolarArrayVectorEnv), and reset it."""
+    """Return a native vector environment (this project's SolarArrayVectorEnv) after a reset."""
     env: Any = gymnasium.make_vec(DEPLOY, lanes, version="v1", model=model, num_threads=threads).unwrapped
     env.reset(seed=0)
     return env
 
 
 def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
-    """Restore in each lane of a vector environment the saved state chosen for the lane."""
+    """Restore in each lane (environment) of a vector environment the saved state chosen for it."""
     for simulation, moment in zip(env.episodes.batch.simulations, chosen, strict=True):
         simulation.restore(moment)
 
@@ -85,7 +85,8 @@ Contestant = tuple[Any, Sequence[Callable[[], object]]]
 def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
     """Measure steps per second of several environments stepped in turn, so that disturbances affect all alike.
 
-    All have the same number of placements. The time of a placement is the median of all rounds but the first.
+    A placement restores saved states in all lanes, and all environments have equally many. A placement's time is the
+    median of all rounds but the first.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     rounds: list[list[list[float]]] = []
@@ -108,7 +109,7 @@ def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, floa
 
 
 def measure_rate(model: str, lanes: int) -> dict[str, float]:
-    """Measure native steps per second from all MOMENTS states, and the compiled time fraction at SCALED_LANES lanes."""
+    """Measure our steps per second from all MOMENTS states, and for SCALED_LANES the time fraction in compiled code."""
     env = make_native(model, lanes)
     taken = {"step": 0.0, "run": 0.0}
     for owner, name in ((env, "step"), (env.episodes.batch, "run")):
@@ -119,7 +120,7 @@ def measure_rate(model: str, lanes: int) -> dict[str, float]:
 
 
 def _timed(function: Callable[..., object], taken: dict[str, float], name: str) -> Callable[..., object]:
-    """Wrap a function so that it adds the time of each call [s] to `taken`."""
+    """Return `function`, wrapped so that it adds the time of each call [s] to `taken[name]`."""
 
     def call(*arguments: object) -> object:
         start = time.perf_counter()
@@ -131,7 +132,7 @@ def _timed(function: Callable[..., object], taken: dict[str, float], name: str) 
 
 
 def measure_threads(model: str) -> dict[str, float]:
-    """Measure the throughput ratio of all threads to one thread, with SCALED_LANES native lanes."""
+    """Measure our vector environment's throughput with all threads divided by one thread's, with SCALED_LANES lanes."""
     chosen, every = spread(model, SCALED_LANES), available_processors()
     envs = {name: make_native(model, SCALED_LANES, threads) for name, threads in (("one", 1), ("every", every))}
     rates = compare({name: (env, [partial(place, env, chosen)]) for name, env in envs.items()}, SCALED_LANES)
@@ -139,7 +140,7 @@ def measure_threads(model: str) -> dict[str, float]:
 
 
 def measure_peers(model: str) -> dict[str, float]:
-    """Measure throughput ratios of COMPARED_LANES native lanes to Gymnasium's and Stable-Baselines3's environments."""
+    """Measure our throughput divided by Gymnasium's and Stable-Baselines3's, with COMPARED_LANES environments each."""
     from stable_baselines3.common.vec_env import SubprocVecEnv
 
     chosen = spread(model, COMPARED_LANES)
@@ -158,14 +159,14 @@ def measure_peers(model: str) -> dict[str, float]:
 
 
 def measurements(models: Iterable[str]) -> list[tuple[str, Callable[[], dict[str, float]]]]:
-    """List all measurements as pairs of a model and a function that measures figures by name."""
+    """Return all measurements, as pairs of a model and a function that returns measured values by name."""
     whats: list[Callable[[str], dict[str, float]]] = [partial(measure_rate, lanes=lanes) for lanes in LANES]
     whats += [measure_threads, measure_peers]
     return [(model, partial(what, model)) for model in models for what in whats]
 
 
 def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
-    """Format tables of all models: steps per second by lanes; thread ratio, compiled fraction, and ratios to PEERS."""
+    """Return Markdown tables: steps per second by lanes; thread ratio, compiled time fraction, and ratios to PEERS."""
     threads = available_processors()
     rates = [(model, *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES)) for model, measured in figures.items()]
     ratios = [

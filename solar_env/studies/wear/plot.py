@@ -1,4 +1,4 @@
-"""Picture of repeated deployments, from their table alone."""
+"""Plot of repeated deployments, from their table alone."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ COLUMNS = {
 
 
 def draw_repeated(table: Table, folder: Path) -> Path:
-    """Draw clearance, wear and force against the number of deployments; return the picture's file."""
+    """Plot clearance, wear and peak force against the number of deployments; return the plot's file."""
     deployments, growth = table.column("deployment"), 0.0
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.0, 3.2), layout="constrained")

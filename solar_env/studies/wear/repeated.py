@@ -47,7 +47,7 @@ class Deployment:
 
 
 def measure_repeated(deployments: int, workers: int, console: Console) -> list[Row]:
-    """Repeat deployments of the default array; return a row for each simulated deployment."""
+    """Simulate a campaign of repeated deployments of the default array; return a table row per simulated deployment."""
     parameters, rows = replace(ArrayParameters(), wear_coefficient=WEAR_COEFFICIENT), []
     with counting_bar(console) as bar:
         task = bar.add_task("deployments", total=deployments)
@@ -100,7 +100,7 @@ def row_of(deployment: Deployment) -> Row:
 
 
 def _deploy(run: tuple[ArrayParameters, int]) -> list[list[float]]:
-    """Simulate one deployment, perturbed by its number; return clearance growths [m] and peak forces [N] by joint."""
+    """Simulate a run (parameters, ensemble member); return clearance growths [m] and peak forces [N] by joint."""
     parameters, number = run
     motion = Level(MODEL).deploy(parameters, number, DURATION, DURATION)
     growth = motion.wear_bearing.mean(axis=1) + motion.wear_journal.mean(axis=1)

@@ -1,4 +1,4 @@
-"""Cases of whole deployments: rigid panels checked in minimal coordinates, limits between models, conservation."""
+"""Verification cases of whole deployments: comparison with minimal coordinates, limiting cases, conservation."""
 
 import math
 from collections.abc import Iterator
@@ -55,7 +55,7 @@ REDUCTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def rigid_array_motion() -> Iterator[Check]:
-    """Check joint angles of rigid panels under all hinge torques, by the greatest error before the first latching."""
+    """Check joint angles of rigid arrays, under all hinge torques, against a solution in minimal coordinates."""
     times = [float(t) for t in np.arange(0.0, 10.01, 0.1)]
     variants = (
         ("two panels", ArrayParameters()),
@@ -81,7 +81,7 @@ def rigid_array_motion() -> Iterator[Check]:
 
 
 def double_door() -> Iterator[Check]:
-    """Check two panels with fittings and dampers that unfold in the same sense and swing into stops without latches."""
+    """Check two panels with fittings and dampers, which unfold in the same sense and swing into stops, not latches."""
     # Two masses beside the centre of a fitting have its inertia of 1e-6 kg m2.
     apart, half = math.sqrt(1e-6 / 0.05), 0.025
     places = ((1, 0.02), (1, 0.28), (2, 0.02))
@@ -127,7 +127,7 @@ def double_door() -> Iterator[Check]:
 
 
 def two_wings() -> Iterator[Check]:
-    """Check two mirrored wings, rigid and flexible: asymmetry of joint angles, turn and sideways shift of the hub."""
+    """Check symmetry of two mirrored wings, rigid and flexible: joint angles, turn and sideways shift of the hub."""
     for model in ("rigid-ideal", "flexible-ideal:2 elements"):
         parameters = ArrayParameters(wings=2)
         motion = simulate(build(parameters, model), 10.0, integrator=default_integrator(model), output_step=0.1)
@@ -142,7 +142,7 @@ def two_wings() -> Iterator[Check]:
 
 
 def deployed_frequencies() -> Iterator[Check]:
-    """Check frequencies of deployed rigid panels on their latch springs, by a mass matrix in minimal coordinates."""
+    """Check natural frequencies of deployed rigid panels on their latch springs, by theory in minimal coordinates."""
     wing = ArrayParameters(panel_count=3, body_mass=120.0, body_inertia=12.8, cable_stiffness=0.0)
     variants = (
         ("two panels, hub held", ArrayParameters(body_fixed=True, cable_stiffness=0.0)),
@@ -169,7 +169,7 @@ def latch_times() -> Iterator[Check]:
 
 
 def clearance_limit() -> Iterator[Check]:
-    """Check that frictionless joints tend to ideal joints as clearance vanishes; a friction torque would not vanish."""
+    """Check that latch times with clearance tend to latch times with ideal joints as the clearance vanishes."""
 
     def latched(parameters: ArrayParameters, model: str, rtol: float) -> NDArray[np.float64]:
         return simulate(build(parameters, model), 13.0, integrator=RungeKutta(rtol=rtol), output_step=1.0).latch_times
@@ -177,7 +177,7 @@ def clearance_limit() -> Iterator[Check]:
     ideal, clearances = latched(ArrayParameters(), "rigid-ideal", 1e-9), (2e-4, 1e-4, 5e-5, 2.5e-5)
     differences = []
     for clearance in clearances:
-        parameters = ArrayParameters(clearance=clearance, friction_coefficient=0.0)
+        parameters = ArrayParameters(clearance=clearance, friction_coefficient=0.0)  # friction would not vanish with it
         differences.append(latched(parameters, "rigid-clearance", 1e-7) - ideal)
         for joint, difference in enumerate(differences[-1]):
             quantity = f"c = {clearance:g} m: latch time of joint {joint + 1} less that of an ideal one [s]"
@@ -202,9 +202,9 @@ def without_rotary_inertia(mechanism: Mechanism) -> Mechanism:
 
 
 def rigid_limit() -> Iterator[Check]:
-    """Check that flexible panels tend to rigid panels as the modulus rises, without a cable, whose swing is undamped.
+    """Check that joint angles with flexible panels tend to angles with rigid panels as Young's modulus rises.
 
-    Material damping removes vibrations that the torques' sudden start excites: panels then bend quasi-statically.
+    The cable is left out, because its oscillation is undamped. Material damping makes the panels bend quasi-statically.
     """
 
     def angles(mechanism: Mechanism) -> NDArray[np.float64]:

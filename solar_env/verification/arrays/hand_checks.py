@@ -1,4 +1,4 @@
-"""Case of results that an engineer of mechanisms works out by hand, for arrays with panels of the default size."""
+"""Verification case of results that an engineer works out by hand, for arrays with panels of the default size."""
 
 import cmath
 import math
@@ -36,18 +36,18 @@ THREE: dict[str, Any] = {"panel_count": 3, "cable_stiffness": 5e3, "cable_preloa
 
 
 def _run(duration: float, model: str = "rigid-ideal", step: float = 0.5, **changes: Any) -> Trajectory:
-    """Simulate an array for a duration [s], in integration steps no longer than the sample step [s]."""
+    """Simulate an array with changed parameters for a duration [s]; `step` [s] is output step and bound on steps."""
     method = RungeKutta(rtol=1e-10, max_step=step)
     return simulate(build(ArrayParameters(**changes), model), duration, integrator=method, output_step=step)
 
 
 def swing_time(inertia: float, stiffness: float, preload: float, lock: float) -> float:
-    """Return the time [s] in which a spring turns a body about a fixed hinge, from rest to the lock angle [rad]."""
+    """Return the time [s] in which a spring, relaxed at `preload`, turns a body from rest at 0 to `lock` [rad]."""
     return math.sqrt(inertia / stiffness) * math.acos(1.0 - lock / preload)
 
 
 def inertias(p: ArrayParameters, angle: float) -> Array:
-    """Return the mass matrix [kg m2, kg m, kg] of an array whose hinges open in proportion to the root angle.
+    """Return the mass matrix [kg m2, kg m, kg] at a root angle [rad], if all hinges open in proportion to it.
 
     The coordinates are the root angle and, for a free array, the array's rotation and translation.
     """
@@ -65,7 +65,7 @@ def spring_work(p: ArrayParameters, angles: Array) -> float:
 
 
 def opening(p: ArrayParameters) -> tuple[float, float, float]:
-    """Return latch time [s], root rate [rad/s] and hub turn [rad] at latching, for hinges that open in proportion."""
+    """Return latch time [s], root rate [rad/s] and hub turn [rad] at latching, if all hinges open in proportion."""
 
     def rates(angle: float) -> Array:
         inverse = np.linalg.inv(inertias(p, angle))[:, 0]  # the whole array has zero momenta
@@ -79,7 +79,7 @@ def opening(p: ArrayParameters) -> tuple[float, float, float]:
 
 
 def _openings() -> Iterator[Check]:
-    """Check latch times of one panel and of three; with one panel also rate, energies, hub turn and latch torque."""
+    """Check latch times of one panel and of three; for one panel also rate, energies, hub rotation and latch torque."""
     names = ("latch time [s]", "rate then [rad/s]", "energy put in [J]", "kinetic energy [J]", "turn of the hub [rad]")
     for name, changes, rows, tolerance in (
         ("one panel, hub held", ALONE, 4, 1e-10),
@@ -104,7 +104,7 @@ def _openings() -> Iterator[Check]:
 
 
 def _hold_downs() -> Iterator[Check]:
-    """Check panels released in turn, and a panel held at 0.1 rad on a light yoke, extrapolated to no yoke."""
+    """Check latch times of panels released in turn, and of a panel held at 0.1 rad on ever shorter, light yokes."""
     times = _run(
         60.0, body_fixed=True, cable_stiffness=0.0, release_time=(3.0, 20.0), release_after=(0, 1), latch_gap=0.0,
         spring_preload_angle=(2.0, 3.5), latch_stiffness=1e5, latch_damping=1e3, latch_ramp_depth=1e-6,
@@ -127,7 +127,7 @@ def _hold_downs() -> Iterator[Check]:
 
 
 def _impact() -> Iterator[Check]:
-    """Check the first impact in the hinge of a hub and a panel, both free: time, approach speed, force and impulse."""
+    """Check the first impact in the hinge between a free hub and a free panel: time, speed, peak force and impulse."""
     # Complex vectors: from the hub's centre of mass to the hinge, and from the panel's end to its centre of mass.
     places, spins, gap = np.array([0.5 + 0.2j, -0.5j * LENGTH]), np.array([3e-3, 7e-3]), 1e-3
     contact = _run(
@@ -168,7 +168,7 @@ def _wear() -> Iterator[Check]:
 
 
 def _deployed() -> Iterator[Check]:
-    """Check frequencies of a flexible panel on its latch, and spin and pin forces of an array slowed by deployment."""
+    """Check frequencies of a flexible panel on its latch, and final spin and pin forces of a spinning array."""
     found = natural_frequencies(build_deployed(ArrayParameters(**ALONE), "flexible-ideal:24 elements"))
     bending = 280e6 * THICKNESS**3 / 12.0  # N m2
 

@@ -1,4 +1,4 @@
-"""Cases of impacts within a deployment: each impact at default settings against the same impact at a tight tolerance.
+"""Verification of impacts within a deployment: each impact at default settings against a second, accurate solution.
 
 Deployments with clearance are chaotic: two runs soon have different impacts. Each impact of the default run is
 therefore solved a second time from the state in which it began. With rigid panels the second run is explicit. With
@@ -38,7 +38,7 @@ Column = NDArray[np.float64]
 
 
 def _contacts(simulation: Simulation, end_time: float) -> list[tuple[float, int, float]]:
-    """Advance to `end_time`; return start [s], joint and end [s] of every contact, with the end nan if still open."""
+    """Advance to `end_time` [s]; return (start [s], joint, end [s]) of every contact; end is nan if it still lasts."""
     recorder = make_recorder(simulation.model, simulation.state, np.zeros(0), _MOST_CONTACTS)
     simulation.advance(end_time, recorder)
     rows = recorder.contacts[: recorder.filled[1]]
@@ -48,7 +48,7 @@ def _contacts(simulation: Simulation, end_time: float) -> list[tuple[float, int,
 
 
 def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
-    """Return the contact depth [m] of joint `j`, negative for a gap, and the rate of the depth [m/s]."""
+    """Return the penetration depth [m] of joint `j`, negative for a gap, and its rate [m/s]."""
     model, state = simulation.model, simulation.state
     if isinstance(model, ModalModel):
         return float(state.motion[j, DEPTH]), float(state.motion[j, DEPTH_RATE])
@@ -57,9 +57,9 @@ def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
 
 
 def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: float) -> tuple[float, ...]:
-    """Return exit speed [m/s] and duration [s] of the contact that joint `j` begins in `start`, and number of contacts.
+    """Return exit speed [m/s] and duration [s] of the contact begun at joint `j` in state `start`, and contact count.
 
-    A contact longer than `longest` predicted durations gives an empty tuple.
+    The count is of contacts at all joints. If no end comes within `longest` predicted durations, return ().
     """
     begun, duration = float(start.joints[j]["contact_start"]), float(start.joints[j]["contact_duration"])
     simulation.restore(start)
@@ -80,14 +80,14 @@ def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: fl
 def impacts(
     model: str, duration: float, tight: Integrator, longest: float, slowest: float = 0.0
 ) -> tuple[Column, Column, float]:
-    """Simulate a deployment by the default method, and each of its impacts also by another method.
+    """Simulate a deployment by the default integration method, and each of its impacts a second time by another method.
 
     The exit speed includes the effects of springs and of other joints' impacts, and can exceed the impact speed.
 
     Args:
-        model: level of the model.
+        model: model level, such as rigid-clearance.
         duration: duration of the deployment [s].
-        tight: method of the second run of each impact, in the same formulation as the default method.
+        tight: integration method of each impact's second run, in the same formulation as the default method.
         longest: longest contact, in predicted durations; longer contacts are left out.
         slowest: exit speed [m/s] below which the method's tolerance leaves open whether surfaces separate.
 
@@ -124,7 +124,7 @@ def impacts(
 
 
 def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterator[Check]:
-    """Check that enough impacts, and nearly all impacts, have the same contacts in both runs."""
+    """Check that the `number` of impacts compared is at least `at_least`, and the fraction `left_out` at most 0.01."""
     missing = max(at_least - number, 0)
     yield Check(f"{name}: impacts compared: {number}, at least {at_least}", 0.0, missing, 0.0, _ALONE)
     quantity = f"{name}: share of the impacts left out, where surfaces part for a moment in one of the two runs alone"
@@ -142,7 +142,7 @@ def explicit_impacts() -> Iterator[Check]:
 def modal_impacts() -> Iterator[Check]:
     """Check exit speeds of the impacts in a deployment with modal panels.
 
-    The method's tolerance is a speed, here 0.1 mm/s: slow impacts are compared by exit speed, not by speed ratio.
+    The integrator's tolerance is a speed, 0.1 mm/s: slow impacts are compared by exit speed, not by speed ratio.
     """
     model = "flexible-clearance"
     name, default = f"{model}, 32 modes a panel, 16 s", default_integrator(model)

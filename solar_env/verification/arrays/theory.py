@@ -61,7 +61,7 @@ class Chain:
         self.inertias = np.array([link.inertia for link in self.links])
 
     def jacobian(self, angles: Array) -> NDArray[np.complex128]:
-        """Return the (n, size) velocity of every centroid per unit coordinate velocity, as complex numbers."""
+        """Return the (n, size) velocities of the centroids, x + i y, per unit velocity of each coordinate."""
         turning = 1j * self.arms * np.exp(1j * angles)
         if not self.free:
             return turning
@@ -77,7 +77,7 @@ class Chain:
         return matrix
 
     def applied(self, angles: Array, rates: Array, torques: Array) -> Array:
-        """Return the (size,) generalized forces of torques (n,) on the angles [N m], weights and centripetal terms."""
+        """Return the (size,) generalized forces of link torques (n,) [N m], gravity and centripetal terms together."""
         forces = self.masses * ((self.arms * np.exp(1j * angles)) @ rates**2 + self.gravity)
         total = (self.jacobian(angles).conj().T @ forces).real
         total[: len(self.links)] += torques
@@ -91,9 +91,10 @@ class Chain:
         coupling: tuple[Array, Array] | None = None,
         stop: Callable[[float, Array], float] | None = None,
     ) -> Any:
-        """Integrate angles [rad] and rates [rad/s] from rest by SciPy, under torques [N m] that depend on both.
+        """Integrate link angles [rad] and rates [rad/s] from rest at `angles`; return SciPy's solution at `times` [s].
 
-        A coupling (c, g) is a constraint c . angles = const, which acts through torques proportional to g.
+        `torques` maps angles and rates to the torques on the links [N m]. A coupling (c, g) is a constraint c . angles
+        = const, enforced by torques proportional to g. The motion ends where `stop`, of time and state, is zero.
         """
         n = len(self.links)
 
@@ -136,7 +137,7 @@ def folded_angles(p: ArrayParameters) -> Array:
 
 
 def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
-    """Return the (panels, links) matrix M in joint angles = M (angles - folded angles); M^T gives torques on links."""
+    """Return M (panels, links): joint angles = M (link angles - folded angles), link torques = M^T joint torques."""
     matrix = np.zeros((p.panel_count, p.panel_count + 1))
     for k, joint in enumerate(p.joints):
         matrix[k, k], matrix[k, k + 1] = -joint.sign, joint.sign
@@ -149,7 +150,7 @@ def spring_torques(p: ArrayParameters, joint_angles: Array) -> Array:
 
 
 def hinge_torques(p: ArrayParameters) -> Callable[[Array, Array], Array]:
-    """Return a function from joint angles and rates to the (panels,) total torques [N m] of all hinge elements."""
+    """Return a function from joint angles and rates to (panels,) torques [N m] of spring, harness, damper, friction."""
     curves = [
         (joint.index, PchipInterpolator(*np.array(table).T))
         for name in ("spring_torque", "harness_torque")
@@ -211,7 +212,7 @@ def frequencies_on_latches(p: ArrayParameters) -> Array:
 def latch_time(p: ArrayParameters) -> float:
     """Compute the latch time [s] of two panels whose joint angles an inextensible cable holds at 1 : 2.
 
-    The cable loads the two joints with torques in the ratio -r : 1, where r is `cable_torque_ratio`, or 2 if None.
+    The cable loads the two joints with torques in the ratio -r : 1, where r is `p.cable_torque_ratio`, or 2 if None.
     """
     chain, start, matrix = make_chain(p), folded_angles(p), hinge_map(p)
     ratio = 2.0 if p.cable_torque_ratio is None else p.cable_torque_ratio

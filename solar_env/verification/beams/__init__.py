@@ -1,4 +1,4 @@
-"""Cases of beam elements against beam theory: order of convergence, statics, vibration and dynamics.
+"""Verification cases that compare beam elements with theory: order of convergence, statics, vibration and dynamics.
 
-They import no other subject of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
+These modules import no other folder of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
 """

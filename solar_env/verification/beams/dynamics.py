@@ -1,4 +1,4 @@
-"""Cases of beams in large motion: spin-up, falling pendulum, free flight."""
+"""Verification cases of flexible beams in large motion: spin-up, falling pendulum, free flight."""
 
 import cmath
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ SIMO = "J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855, without shear: 
 BERZERI = "M. Berzeri and A. A. Shabana, J. Sound Vib. 235 (2000) 539: two methods agreed to the tolerance"
 
 SPIN_RATE, RAMP_TIME = 6.0, 15.0
-# The falling pendulum with damping and a hundredfold bending stiffness moves smoothly: both methods converge.
+# The falling pendulum with damping and a hundredfold bending stiffness moves smoothly: both integrators converge.
 DAMPED_PENDULUM_BEAM = replace(PENDULUM_BEAM, bending_stiffness=100.0 * PENDULUM_BEAM.bending_stiffness, damping=0.01)
 
 
@@ -62,7 +62,7 @@ def spin_up() -> Iterator[Check]:
 
 
 def falling_pendulum() -> Iterator[Check]:
-    """Check flexible pendulums released from the horizontal: a published pendulum, and a stiffer, damped pendulum."""
+    """Check the tips of two flexible pendulums released from the horizontal: one published, one stiffer and damped."""
     elements = 32
     mechanism = flexible_pendulum(PENDULUM_BEAM, elements)
     simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))
@@ -85,7 +85,7 @@ def falling_pendulum() -> Iterator[Check]:
 
 
 def free_flight() -> Iterator[Check]:
-    """Check a floppy beam without supports: momenta and energy, without loads and under constant loads."""
+    """Check momenta and energy balance of a very flexible, free beam, without loads and under constant loads."""
     beam, elements = Beam(1.5, 4.0, 2e4, 2.0), 6
     duration, spin = 1.0, 4.0
     force, torque, middle = (3.0, -5.0), 2.0, 0.5 * beam.length

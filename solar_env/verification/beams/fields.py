@@ -1,4 +1,4 @@
-"""Positions, velocities and momenta of bodies from coordinates; SciPy's cubic Hermite splines interpolate beams."""
+"""Positions, velocities and momenta of bodies, computed from coordinates; cubic Hermite splines interpolate beams."""
 
 from typing import Any
 
@@ -20,33 +20,33 @@ def flexible_body(mechanism: Mechanism) -> FlexibleBody:
 
 
 def coordinates_of(body: FlexibleBody, first: int = 0) -> slice:
-    """Return the slice of a beam's coordinates, from index `first` on, in the coordinates of the whole mechanism."""
+    """Return the slice of the mechanism's coordinates that holds a beam's coordinates, which begin at index `first`."""
     return slice(first, first + 4 * (body.elements + 1))
 
 
 def as_complex(coordinates: NDArray[np.float64]) -> Field:
-    """Convert coordinates (..., 2 points), alternately x and y, to complex numbers x + i y (points, ...)."""
+    """Convert coordinates (..., 2 * points), alternately x and y, to complex numbers x + i y (points, ...)."""
     pairs = coordinates.reshape(*coordinates.shape[:-1], -1, 2)
     return np.moveaxis(pairs[..., 0] + 1j * pairs[..., 1], -1, 0)
 
 
 def nodes(body: FlexibleBody, values: NDArray[np.float64], first: int = 0) -> tuple[Field, Field]:
-    """Return positions and slopes (nodes, ...) of a beam whose coordinates start at `first` in `values` (..., n)."""
+    """Return a beam's positions and slopes, x + i y (nodes, ...), which start at index `first` in `values` (..., n)."""
     points = as_complex(np.asarray(values)[..., coordinates_of(body, first)])
     return points[0::2], points[1::2]
 
 
 def tip(body: FlexibleBody, values: NDArray[np.float64]) -> Any:
-    """Return the position x + i y of a beam's last node from coordinates, or its velocity from velocities."""
+    """Return the last node's position x + i y if `values` are coordinates, or its velocity if they are velocities."""
     return nodes(body, values)[0][-1]
 
 
 def beam_points(
     body: FlexibleBody, coordinates: NDArray[np.float64], velocities: NDArray[np.float64], first: int
 ) -> tuple[Field, Field, NDArray[np.float64]]:
-    """Return positions and velocities (..., points) at a beam's Gauss points, and each point's mass (points,) [kg].
+    """Return positions and velocities (..., points), x + i y, and masses (points,) [kg] at a beam's Gauss points.
 
-    Sums over the Gauss points integrate products of two such fields exactly.
+    The beam's coordinates start at index `first`. Mass-weighted sums integrate products of two such fields exactly.
     """
     x, weights = np.polynomial.legendre.leggauss(4)
     ends, size = np.linspace(0.0, body.length, body.elements + 1), body.length / body.elements
@@ -58,9 +58,9 @@ def beam_points(
 
 
 def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Return linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s], (times, bodies) each.
+    """Return linear momenta x + i y [kg m/s], and angular momenta about the origin [kg m2/s], each (times, bodies).
 
-    The momenta follow from the motion of base points or nodes and from the described masses alone.
+    They follow from the motion of base points or nodes, and from the masses in the mechanism's description, alone.
     """
     linear, angular = [], []
     first = 0

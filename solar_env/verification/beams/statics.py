@@ -1,4 +1,4 @@
-"""Cases of beams at and near rest: large deflections, natural frequencies, damping, and orders of convergence."""
+"""Verification cases of beams at or near rest: large deflections, frequencies, damping, and orders of convergence."""
 
 import cmath
 import math
@@ -36,7 +36,7 @@ def solve_tip(mechanism: Mechanism, load_steps: int = 10) -> tuple[complex, floa
 
 
 def tip_load() -> Iterator[Check]:
-    """Check a cantilever, too slender to stretch, under a transverse dead load at its tip."""
+    """Check deflection, shortening and angle at the tip of a nearly inextensible cantilever under a dead tip load."""
     # Slenderness E A L^2 / (E I) = 1e6; stretch changes the results by some load / 1e6.
     beam, elements = Beam(length=1.0, linear_density=1.0, axial_stiffness=1e6, bending_stiffness=1.0), 40
     names = ("deflection w / L", "shortening u / L", "tip angle [rad]")
@@ -49,7 +49,7 @@ def tip_load() -> Iterator[Check]:
 
 
 def tip_moment() -> Iterator[Check]:
-    """Check a cantilever that a tip moment rolls up into a quarter, a half and a full circle."""
+    """Check the tip of a cantilever that a tip moment rolls up into a quarter, a half and a full circle."""
     beam, elements = PANEL, 16
     for turns, name in ((0.25, "quarter"), (0.5, "half"), (1.0, "full")):
         turn = 2.0 * math.pi * turns
@@ -67,7 +67,7 @@ def tip_moment() -> Iterator[Check]:
 
 
 def orders() -> Iterator[Check]:
-    """Check element errors of frequencies and of large static deflections: order of convergence, and leading term."""
+    """Check element errors in frequencies and in large static deflections: order of convergence and leading term."""
     beam, support, coarse, fine = PANEL, "clamped-free", 8, 16
     exact = theory.bending_frequencies(support, beam, 3)
     wave_numbers = theory.bending_wave_numbers(support, 3) / beam.length
@@ -99,7 +99,7 @@ def orders() -> Iterator[Check]:
 
 
 def panel_frequencies() -> Iterator[Check]:
-    """Check frequencies of a panel, clamped, pinned and free, and of two clamped panels in a row as one beam."""
+    """Check frequencies of a clamped, a pinned and a free panel, and of a clamped beam as long as two panels."""
     double = replace(PANEL, length=2.0 * PANEL.length)
     variants = (
         ("clamped-free", PANEL, 12, cantilever(PANEL, 12), 0),

@@ -1,6 +1,6 @@
 """A flexible beam in motion, described by strains instead of positions: the reference for the engine's beam elements.
 
-The unknowns are the centreline's direction theta(s, t) and stretch 1 + eps(s, t), each one Legendre series over the
+The unknowns are the centreline's direction theta(s, t) and stretch 1 + eps(s, t), each a Legendre series over the
 whole beam. Positions follow by integration, r = base + integral of (1 + eps) exp(i theta) ds, with complex numbers for
 points of the plane. The energies E A eps^2 / 2 and E I theta'^2 / 2 are quadratic in the unknowns. Lagrange's equations
 follow without constraints, and the error falls faster than any power of the number of terms. SciPy's DOP853 integrates.
@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 class StrainBeam:
     """Equations of motion of a beam whose first end is fixed at the origin.
 
-    Coordinates are `turns` coefficients of the direction, then `stretches` coefficients of the stretch; with no
-    stretches the beam is inextensible.
+    The coordinates are `turns` Legendre coefficients of the centreline's direction, then `stretches` Legendre
+    coefficients of the stretch. The beam is inextensible if `stretches` is 0.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class StrainBeam:
         return way, (1.0 + self.stretch @ coordinates[self.turns :]) * way
 
     def accelerations(self, time: float, coordinates: Array, rates: Array) -> Array:
-        """Return the second time derivatives of the coordinates from time [s], coordinates and rates."""
+        """Compute the coordinates' second time derivatives, given time [s], coordinates and their rates."""
         beam, n = self.beam, self.turns
         way, tangent = self.tangent(time, coordinates)
         spin, spin_change = self.root_angle(time)[1:] if self.root_angle else (0.0, 0.0)
@@ -80,7 +80,7 @@ class StrainBeam:
         return np.linalg.solve((weighted.T @ columns).real, force)
 
     def tips(self, times: Sequence[float], rtol: float = 1e-8) -> NDArray[np.complex128]:
-        """Return the tip's positions [m] at times [s] of motion from the straight beam at rest along the x axis."""
+        """Integrate from the straight beam at rest on the x axis; return tip positions x + i y [m] at `times` [s]."""
         size = self.turns + self.stretches
 
         def slope(time: float, state: Array) -> Array:

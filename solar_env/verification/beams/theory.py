@@ -37,7 +37,7 @@ FALLING_TIPS = {
 
 
 def tip_load_elastica(load: float) -> tuple[float, float, float]:
-    """Compute tip deflection and shortening (for length 1) and tip angle [rad] under a transverse load P L^2 / (E I).
+    """Compute tip deflection and shortening (per length) and tip angle [rad] under a transverse load P L^2 / (E I).
 
     The load is dead, and the beam does not extend: K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272.
     """
@@ -109,7 +109,7 @@ def cubic_element_frequency_error(wave_number: float, element_length: float) -> 
 
 
 def spinning_extension(beam: Beam, rate: float) -> float:
-    """Return the extension [m] of a straight beam that turns steadily [rad/s] about one end.
+    """Return the extension [m] of a straight beam that turns about one end at a constant `rate` [rad/s].
 
     The position r(s) solves E A r'' = -rho A rate^2 r with r(0) = 0 and r'(length) = 1.
     """
@@ -118,7 +118,7 @@ def spinning_extension(beam: Beam, rate: float) -> float:
 
 
 def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, float, float]:
-    """Return angle, rate and acceleration [rad, rad/s, rad/s2] of a smooth spin-up from rest that ends at `ramp_time`.
+    """Return angle, rate and acceleration [rad, rad/s, rad/s2] of a spin-up from rest to `rate`, lasting `ramp_time`.
 
     J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855.
     """
@@ -134,10 +134,13 @@ def element_deflection_error(load: float, slenderness: float, elements: int) -> 
     """Compute the leading tip-deflection error, in w / L, of a cantilever of cubic elements under a transverse load.
 
     The elements minimize the potential over a smaller space. To first order this adds the energy of the fields that
-    they cannot represent, and the derivative of this energy by P is the missing deflection. In an element of length h,
-    r'' is linear: the normal component (kappa'' - kappa^3) s^2 / 2 loses its part orthogonal to linear functions, with
-    an energy of E I h^4 / 1440 (kappa'' - kappa^3)^2 per length. r' is quadratic and continuous: the stretch kappa
-    kappa' s^3 / 2 leaves a part that vanishes at the nodes, with E A h^6 / 6720 (kappa kappa')^2: membrane locking.
+    they cannot represent. The missing deflection is the derivative of this energy with respect to the load P.
+
+    Let r(s) be the position at arc length s, kappa the curvature, h the element length. Bending: elements have a linear
+    r'', so that the normal component (kappa'' - kappa^3) s^2 / 2 loses its part orthogonal to linear functions. The
+    energy per length is E I h^4 / 1440 (kappa'' - kappa^3)^2. Membrane locking: r' is quadratic and continuous, so that
+    the stretch kappa kappa' s^3 / 2 keeps a part that vanishes at the nodes. The energy per length is E A h^6 / 6720
+    (kappa kappa')^2.
 
     Args:
         load: P L^2 / (E I).
@@ -162,7 +165,7 @@ def element_deflection_error(load: float, slenderness: float, elements: int) -> 
 
 @dataclass(frozen=True)
 class FineBeam:
-    """A free beam as thousands of bending modes, whose motion has a closed form.
+    """A free beam, represented by thousands of bending modes whose motion has a closed form.
 
     Attributes:
         beam: data of the beam, whose stretch is neglected.
@@ -197,7 +200,7 @@ class FineBeam:
         return unit * np.outer(scale, scale) * self.beam.length / self.beam.bending_stiffness
 
     def step_response(self, load: int, time: float) -> Array:
-        """Return deflection and slope of the first end at a time [s] after a unit end force (0) or moment (1) began."""
+        """Return the first end's deflection and slope `time` [s] after a unit force (`load` 0) or moment (1) began."""
         omega, ends = self.frequencies, self.first_end
         decay = 0.5 * self.beam.damping * omega**2
         root = np.sqrt((omega**2 - decay**2).astype(complex))
@@ -210,5 +213,5 @@ class FineBeam:
         return rigid * 0.5 * time**2 + self.flexibility[:, load] - ends @ (ends[load] * ringing)
 
     def left_out(self, kept: int) -> Array:
-        """Return the (2,) flexibilities of the first end, to end force and end moment, of all modes beyond `kept`."""
+        """Return the flexibilities (2,), to end force and moment, that all modes beyond the first `kept` contribute."""
         return np.sum((self.first_end[:, kept:] / self.frequencies[kept:]) ** 2, axis=1)

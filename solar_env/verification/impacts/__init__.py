@@ -1,4 +1,4 @@
-"""Cases of single contacts against closed forms: impact, sliding, wear, and the stops of joints.
+"""Verification cases that compare single contacts with closed forms: impact, sliding, wear, and stops of joints.
 
-They import no other subject of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
+These modules import no other folder of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
 """

@@ -1,4 +1,4 @@
-"""Cases of a single contact: a block that strikes the wall of its gap, against the separated equation of motion.
+"""Verification of a single contact: a block strikes the wall of its gap. The equation of motion is separable.
 
 The equation is m depth'' = -K depth^n (1 + d depth' / v), from depth 0 at the speed v. With u = depth' / v it separates
 into u du / (1 + d u) = -K depth^n d(depth) / (m v^2). This integrates to (u - ln(1 + d u) / d) / d on the left and a
@@ -42,7 +42,7 @@ HERTZ = "H. Hertz, 1881; K. L. Johnson, Contact Mechanics, 1985, section 11.4"
 
 
 def restitution(d: float) -> float:
-    """Solve d (1 + e) = ln[(1 + d) / (1 - d e)] for the ratio e of exit to entry speed, for any m, v, K and n."""
+    """Return the exit/entry speed ratio e for damping factor d: d (1 + e) = ln[(1 + d) / (1 - d e)], at any speed."""
     if d == 0.0:
         return 1.0
 
@@ -71,7 +71,7 @@ def undamped_duration(contact: PowerLaw, speed: float) -> float:
 
 
 def _resolving(integrator: Integrator, duration: float, steps: int = 100) -> Integrator:
-    """Return the integrator, with a fixed step, if it has one, equal to `duration` [s] divided by `steps`."""
+    """Return the integrator; a fixed step, if it has one, becomes `duration` [s] divided by `steps`."""
     return replace(integrator, step=duration / steps) if isinstance(integrator, GeneralizedAlpha) else integrator
 
 
@@ -80,7 +80,7 @@ def _bearing(contact: PowerLaw) -> Bearing:
 
 
 def _speed_ratio(contact: PowerLaw, speed: float, integrator: Integrator) -> float:
-    """Simulate one bounce off the wall; return the ratio of exit to entry speed."""
+    """Simulate one impact of the block on the wall; return the ratio of exit to entry speed."""
     duration = undamped_duration(contact, speed)
     simulation = Simulation(bouncing_block(_bearing(contact), MASS, speed), _resolving(integrator, duration, 40))
     simulation.advance(CLEARANCE / speed + 0.5 * duration)
@@ -90,7 +90,7 @@ def _speed_ratio(contact: PowerLaw, speed: float, integrator: Integrator) -> flo
 
 
 def restitution_curve() -> Iterator[Check]:
-    """Check the exit-to-entry speed ratio of every contact law, at default tolerance, for the worst of some speeds."""
+    """Check the exit/entry speed ratio of every contact law, at default tolerance, at the worst of several speeds."""
     for integrator in (*RESOLVING, ModalRadau()):
         for law, coefficient in product(CONTACT_LAWS, COEFFICIENTS):
             contact = contact_law(law, SURFACES, coefficient)
@@ -103,7 +103,7 @@ def restitution_curve() -> Iterator[Check]:
 
 
 def _one_impact(contact: PowerLaw, speed: float, integrator: Integrator) -> Trajectory:
-    """Simulate from the middle of the gap until well before the far wall, sampled 2000 times per impact duration."""
+    """Simulate one impact, from the middle of the gap on, with 2000 samples per impact duration; return the motion."""
     duration = undamped_duration(contact, speed)
     mechanism = bouncing_block(_bearing(contact), MASS, speed)
     end = CLEARANCE / speed + 2.0 * duration

@@ -1,4 +1,4 @@
-"""Cases of lasting contact: friction creep and wear of a loaded journal, calculated by hand.
+"""Verification cases of lasting contact: friction creep and wear of a loaded journal, calculated by hand.
 
 A journal pressed by the weight W turns in a fixed bearing. Contact force and weight balance, so that normal force N and
 friction T satisfy N^2 + T^2 = W^2; the journal's centre rests at the angle arctan(T / N) off the bottom.

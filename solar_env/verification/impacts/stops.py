@@ -1,4 +1,4 @@
-"""Cases of the torques about a hinge: a slack cable, and a link that swings into its latch or stow stop."""
+"""Verification cases of torques about a hinge: a slack cable, and a link that swings into its latch or stow stop."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -58,7 +58,7 @@ def _latched_swing(stop: Stop, rate: float, duration: float) -> tuple[float, flo
 
 
 def _swinging_link(stop: Stop, rate: float) -> Mechanism:
-    """Make a link that turns about a fixed hinge towards its latch, or towards its stow stop at a negative rate."""
+    """Make a link that turns about a fixed hinge towards its latch, or at a negative rate towards its stow stop."""
     link = Link(1.5, 6.0, INERTIA - 6.0 * 0.75**2)
     joint = Joint("hinge", GROUND, "link", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=LOCK, stow_angle=0.0)
     return Mechanism((link.body("link", 0j, 0.0, 0j, rate),), (joint,))

@@ -1,4 +1,4 @@
-"""Cases of the pendulum, of the four-bar linkage and of a single hinge.
+"""Verification cases of the pendulum, of the four-bar linkage and of a single hinge.
 
-They import no other subject of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
+These modules import no other folder of the verification. A new case is a generator of `Check`, added to `suite.CASES`.
 """

@@ -1,4 +1,4 @@
-"""Cases of the four-bar linkage with a prescribed crank: ideal pins over a turn, and one pin with play.
+"""Verification of the four-bar linkage whose crank turns uniformly: ideal pins over a turn, and one pin with play.
 
 The theory is closed-form kinematics and Newton-Euler inverse dynamics. Complex numbers stand for vectors of the plane.
 Differentiating the closed loop once and twice gives rates and accelerations of the driven links. Moments about two pins
@@ -41,7 +41,7 @@ class LinkageState:
         output_rate: rocker's rate [rad/s].
         output_acceleration: rocker's angular acceleration [rad/s2].
         crank_moment: moment that keeps the crank turning uniformly [N m].
-        pin_forces: forces by pin, in the mechanism's order, each on its outboard body [N].
+        pin_forces: force x + i y on the outboard body of each pin, in the mechanism's order of pins [N].
         play_gain: greatest change of the rocker's angle per journal displacement in any one pin, first order [rad/m].
     """
 
@@ -58,14 +58,14 @@ def _moment(arm: complex, force: complex) -> float:
 
 
 def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: float) -> float:
-    """Return the moment of a link's inertia force and couple about a point, from which `arm` leads to the centroid."""
+    """Return the moment [N m] of a link's inertia force and couple about the point at -`arm` from its centroid."""
     return link.inertia * spin_rate + _moment(arm, link.mass * acceleration)
 
 
 def four_bar_state(
     crank: Link, coupler: Link, rocker: Link, ground_length: float, rate: float, angle: float, gravity: float
 ) -> LinkageState:
-    """Solve the open four-bar linkage at a crank angle [rad] and uniform rate [rad/s]; gravity [m/s2] is along -y."""
+    """Solve the uncrossed four-bar linkage at a crank angle [rad] and rate [rad/s]; gravity [m/s2] is along -y."""
     pin = cmath.rect(crank.length, angle)
     # Freudenstein: the triangle on the diagonal from the rocker's ground pin to the crank pin gives the rocker's angle.
     diagonal = pin - ground_length
@@ -111,12 +111,12 @@ def four_bar_state(
 
 
 def rocker_state(turned: float) -> LinkageState:
-    """Return motion and forces of the ideal linkage when its crank has turned by an angle [rad]."""
+    """Return motion and forces of the ideal linkage when its crank has turned by `turned` [rad] since the start."""
     return four_bar_state(*FOUR_BAR, FOUR_BAR_START + turned, STANDARD_GRAVITY)
 
 
 def _figures(simulation: Simulation) -> dict[str, Any]:
-    """Return the present motion of the rocker, crank moment and pin forces of a simulation, by name."""
+    """Return a simulation's present rocker motion, crank moment and pin forces, by name."""
     state, model = simulation.state, simulation.model
     q, v, a = (complex(x[10] - x[8], x[11] - x[9]) for x in state[:3])
     # The drive constrains the component, across the prescribed direction, of a vector of the crank's length.
@@ -131,7 +131,7 @@ def _figures(simulation: Simulation) -> dict[str, Any]:
 
 
 def four_bar_cycle() -> Iterator[Check]:
-    """Check a crank-rocker under gravity with ideal pins over one turn, which begins after half a turn."""
+    """Check a crank-rocker under gravity with ideal pins over one turn, begun after half a turn: motion and forces."""
     step = 2.0 * math.pi / RATE / (8 * SAMPLES)
     # Tolerances: the local tolerance, and ten times (rate * step)^2.
     choices: tuple[tuple[Integrator, float], ...] = (

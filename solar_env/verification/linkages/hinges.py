@@ -1,4 +1,4 @@
-"""Cases of a single hinge: damper, dry friction, tabulated torque, stop without a latch, and hold-down."""
+"""Verification cases of a single hinge: damper, dry friction, tabulated torque, stop without a latch, and hold-down."""
 
 import math
 from collections.abc import Iterator
@@ -27,14 +27,14 @@ _FREE = Spring(STIFFNESS, 1.0)
 
 
 def swing(duration: float, method: Integrator, spin: float = 0.0, **joint: Any) -> Trajectory:
-    """Simulate a bar on a hinge from angle 0 and a spin [rad/s]; `joint` holds further keywords of `Joint`."""
+    """Simulate a hinged bar from angle 0 at an initial spin [rad/s]; `joint` holds further keywords of `Joint`."""
     bar = Body("bar", MASS, MASS * LENGTH**2 / 12.0, LENGTH, (LENGTH / 2, 0.0), spin=spin)
     hinge = Joint("hinge", GROUND, "bar", (0.0, 0.0), (0.0, 0.0), **joint)
     return simulate(Mechanism((bar,), (hinge,)), duration, integrator=method, output_step=0.01)
 
 
 def damped_pendulum(damping: float, time: float) -> float:
-    """Return a bar's angle [rad] a time [s] after rest at 0, on a spring relaxed at 1 rad and a damper [N m s/rad]."""
+    """Return a bar's angle [rad], `time` [s] after rest at 0, on damper [N m s/rad] and spring relaxed at 1 rad."""
     decay, square = 0.5 * damping / INERTIA, STIFFNESS / INERTIA - (0.5 * damping / INERTIA) ** 2
     root = math.sqrt(abs(square))
     cosine, sine = (math.cos, math.sin) if square > 0.0 else (math.cosh, math.sinh)
@@ -42,7 +42,7 @@ def damped_pendulum(damping: float, time: float) -> float:
 
 
 def hinge_elements() -> Iterator[Check]:
-    """Check angle, rate or time of a bar on a hinge, with one hinge element at a time."""
+    """Check the motion of a hinged bar with one part at a time: damper, friction, torque table, stop, hold-down."""
     for method in METHODS:
         angles = []
         for damping in (0.5, 2.0, 12.0):

@@ -1,7 +1,6 @@
-"""Cases of the simple pendulum released from the horizontal, whose motion elliptic functions give exactly.
+"""Verification cases of the simple pendulum, released from the horizontal; elliptic functions are the exact solution.
 
-E. T. Whittaker, A Treatise on the Analytical Dynamics of Particles and Rigid Bodies, 4th ed., Cambridge 1937,
-section 44.
+E. T. Whittaker, A Treatise on the Analytical Dynamics of Particles and Rigid Bodies, 4th ed., 1937, section 44.
 """
 
 import math
@@ -20,12 +19,12 @@ _PARAMETER = 0.5  # sin^2 of half the amplitude, which is a right angle
 
 
 def exact_period() -> float:
-    """Return the pendulum's exact period [s], by the complete elliptic integral."""
+    """Return the exact period [s] of the pendulum, of amplitude 90 degrees, by the complete elliptic integral."""
     return 4.0 * float(ellipk(_PARAMETER)) / math.sqrt(STANDARD_GRAVITY)
 
 
 def exact_pendulum(time: float) -> tuple[float, float, float]:
-    """Return the position (x, y) [m] of the bob and tension [N] at a time [s], for 1 m, 1 kg and g = 9.81 m/s2."""
+    """Return the bob's position x, y [m] and the tension [N] at a time [s], for 1 m, 1 kg and g = 9.81 m/s2."""
     frequency = math.sqrt(STANDARD_GRAVITY)
     _, cn, dn, _ = ellipj(frequency * time, _PARAMETER)
     angle = 2.0 * math.asin(math.sqrt(_PARAMETER) * cn / dn)  # from the vertical
@@ -49,7 +48,7 @@ def _tension(simulation: Simulation) -> float:
 
 
 def _period(integrator: Integrator, exact: float) -> float:
-    """Return the simulated period [s], from the bottom passage after five quarters of the exact period."""
+    """Return the simulated period [s], from the time of the passage through the bottom near 5/4 of the exact period."""
     simulation = _run(integrator, 1.25 * exact)
     x, y = _bob(simulation)
     speed = float(np.hypot(*simulation.state.v[2:4]))
@@ -82,7 +81,7 @@ def _errors(step: float, rho_inf: float) -> tuple[float, float]:
 
 
 def generalized_alpha_order() -> Iterator[Check]:
-    """Check the order of generalized-alpha in coordinates and in multipliers, by halving the step."""
+    """Check the convergence order of generalized-alpha in coordinates and in multipliers, by halving the step."""
     for rho_inf in (0.0, 0.8, 1.0):
         coarse, fine = (np.array(_errors(step, rho_inf)) for step in (4e-3, 2e-3))
         figures = zip(("coordinates", "multipliers"), (2.0, 2.0), np.log2(coarse / fine), strict=True)

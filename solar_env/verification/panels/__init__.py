@@ -1,5 +1,5 @@
-"""Cases of modal panels: step responses, deflections, impacts and large motions, and the method that integrates panels.
+"""Verification cases of modal panels and their integration method: step responses, deflections, impacts, large motions.
 
-These cases may use the theory in `beams`; no other subject imports them.
+These modules may use the theory in `beams`; no other folder imports them.
 A new case is a generator of `Check`, added to `suite.CASES`.
 """

@@ -1,7 +1,7 @@
 """Mechanisms of one modal panel under end loads, and their simulations.
 
-Mechanisms of modal panels take no dead loads. A force comes instead from a contact so deep and soft that the panel's
-motion hardly changes the force. A moment is the motor torque of a joint whose surfaces are too far apart to meet.
+Mechanisms of modal panels take no dead loads. A contact, so deep and soft that the panel's motion hardly changes its
+force, exerts the force instead. A moment is the motor torque of a joint whose surfaces are too far apart to meet.
 """
 
 from solar_env.mechanics.arrays import columns
@@ -15,18 +15,18 @@ _FAR = 1e6  # m
 
 
 def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 20_000_000) -> Simulation:
-    """Start a simulation of a mechanism by the method for modal panels, modal-radau."""
+    """Return a simulation of a mechanism by modal-radau, the integration method for modal panels."""
     return Simulation(mechanism, ModalRadau(rtol=rtol, max_steps=max_steps))
 
 
 def modal(beam: Beam, modes: int = 24, **placed: float | Point) -> ModalPanel:
-    """Return a beam as a modal panel; `placed` holds further keywords of `ModalPanel`."""
+    """Return a beam as a modal panel with `modes` modes; `placed` holds further keywords of `ModalPanel`."""
     stiffness = (beam.axial_stiffness, beam.bending_stiffness, beam.damping)
     return ModalPanel(BEAM, beam.length, beam.mass, *stiffness, modes=modes, **placed)  # type: ignore[arg-type]
 
 
 def dead_force(end: Point, force: complex) -> Joint:
-    """Return a joint that exerts a force [N], x + i y, on the end (0, 0) or (length, 0) of a beam on the x axis."""
+    """Return a joint that exerts a nearly constant force x + i y [N] on a beam's end, at (0, 0) or (length, 0)."""
     size = abs(force)
     place = complex(*end) + force / size * _FAR
     bearing = Bearing(0.5 * _FAR, _FAR, PowerLaw(2.0 * size / _FAR, exponent=1.0))
@@ -34,7 +34,7 @@ def dead_force(end: Point, force: complex) -> Joint:
 
 
 def loose(end: Point) -> Joint:
-    """Return a joint, with surfaces too far apart to meet, whose motor loads a beam's end on the x axis by a moment."""
+    """Return a joint whose motor exerts a moment on a beam's end; the joint's surfaces are too far apart to meet."""
     return Joint(f"moment at {end[0]:g}", GROUND, BEAM, end, end, bearing=Bearing(_FAR, _FAR, PowerLaw(1.0)))
 
 
@@ -44,6 +44,6 @@ def clamp(stiffness: float) -> Joint:
 
 
 def moved(simulation: Simulation, joint: int) -> tuple[complex, float]:
-    """Return an end's displacement x + i y [m] and the turn of its tangent [rad], read at the end's `loose` joint."""
+    """Return displacement x + i y [m] and tangent rotation [rad] of a beam's end; `joint` indexes its `loose` joint."""
     row = simulation.joint_loads()[joint]
     return complex(row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y]), float(row[columns.ANGLE])

@@ -1,4 +1,4 @@
-"""Cases of modal-radau, the method for modal panels: orders of convergence, conservation of momenta and energy."""
+"""Verification of modal-radau, the integrator of modal panels: orders of convergence, conserved momenta and energy."""
 
 import math
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ DAMPED = replace(PANEL, damping=1e-3, bending_stiffness=30.0 * PANEL.bending_sti
 
 
 def _swing(bearing: Bearing | None) -> Mechanism:
-    """Make a level chain of two panels under gravity, with a spring at the fixed hinge and one between the panels."""
+    """Make a horizontal chain of two sprung panels under gravity; the fixed hinge is ideal if `bearing` is None."""
     first = modal(DAMPED, MODES, position=(0.0, -bearing.clearance if bearing else 0.0))
     second = replace(first, name=OUTER, position=(PANEL.length, first.position[1]))
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0), bearing=bearing, spring=Spring(20.0, 0.5))
@@ -34,9 +34,9 @@ def _swing(bearing: Bearing | None) -> Mechanism:
 
 
 def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
-    """Return (halvings + 1, 3) errors of motion, spring torques and reactions after 0.256 s in constant steps.
+    """Return errors (halvings + 1, 3) of motion, spring torques and reactions after 0.256 s; each row halves the step.
 
-    Errors are differences from the same method at a small step. All runs start from one smooth state.
+    Errors are differences from the same integrator at a much smaller step. All runs start from one smooth state.
     """
     coarse, duration, settling = 0.004, 0.256, 0.5
     settled = start(mechanism, rtol=1e-8)
@@ -61,9 +61,9 @@ def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
 def order() -> Iterator[Check]:
     """Check orders of convergence in motion and loads, of a hinge in lasting contact and of an ideal hinge.
 
-    Reactions are the algebraic variables of a system of index two: the method finds reactions, and loads at the ends of
-    steps, with order three. Motion has order five. With ideal joints the foreshortening, which reactions follow, lowers
-    the order of motion to the order of the reactions.
+    Reactions are the algebraic variables of a system of index two. The integrator computes reactions, and loads at the
+    ends of steps, with order three, and motion with order five. With ideal joints the reactions depend on the panels'
+    foreshortening, which lowers the order of motion to the order of the reactions.
     """
     halvings = 3
     source = "three-stage Radau IIA: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996"

@@ -1,7 +1,7 @@
-"""Cases of a panel in large motion: loaded at an end while free or held, spun up about a hinge, falling about a hinge.
+"""Verification of a panel in large motion: loaded at an end while free or held, spun up or falling about a hinge.
 
-A turning panel is compared with ANCF beam elements, which neglect nothing: another formulation, in inertial
-coordinates, by another method.
+A turning panel is compared with ANCF beam elements, which are not limited to small deflections. They use inertial
+coordinates and another integration method.
 """
 
 import cmath
@@ -40,7 +40,7 @@ Torque = Callable[[float], float]
 
 
 def step_responses() -> Iterator[Check]:
-    """Check a free panel's end: its deflection under 1 N, and its slope under 1 N m, from t = 0 on."""
+    """Check step responses at a free panel's end: deflection under a force of 1 N, slope under a moment of 1 N m."""
     beam, end = DAMPED, (0.0, 0.0)
     theory = FineBeam(beam)
     for load, (name, quantity) in enumerate((("force", "deflection [m]"), ("moment", "slope [rad]"))):
@@ -62,7 +62,7 @@ def step_responses() -> Iterator[Check]:
 
 
 def bent(load: float, moment: float) -> tuple[float, float, float]:
-    """Bend a held panel; return its largest slope in its frame [rad], and relative errors of tip deflection and turn.
+    """Bend a held panel; return its largest slope in its frame [rad], and relative errors of tip deflection and angle.
 
     Args:
         load: tip load P L^2 / (E I), across the undeformed panel.
@@ -87,7 +87,7 @@ def bent(load: float, moment: float) -> tuple[float, float, float]:
 
 
 def large_deflections() -> Iterator[Check]:
-    """Check errors and range warnings of a panel that tip loads and moments bend by up to 0.5 rad."""
+    """Check a panel that tip loads bend by up to 0.5 rad: tip errors, and warnings outside the theory's valid range."""
     for name, load, moment in (
         *((f"P L^2 / (E I) = {load:g}", load, 0.0) for load in (0.1, 0.2, 0.4, 0.8)),
         *((f"M L / (E I) = {moment:g}", 0.0, moment) for moment in (0.1, 0.5)),
@@ -103,13 +103,13 @@ def large_deflections() -> Iterator[Check]:
 
 
 def _scaled(factor: float, damping: float) -> Beam:
-    """Return the array's panel with both stiffnesses multiplied by `factor`, and with another damping."""
+    """Return the array's panel with both stiffnesses multiplied by `factor`, and with this `damping`."""
     stiffness = (factor * PANEL.axial_stiffness, factor * PANEL.bending_stiffness)
     return replace(PANEL, axial_stiffness=stiffness[0], bending_stiffness=stiffness[1], damping=damping)
 
 
 def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> tuple[Motion, bool]:
-    """Simulate a hinged modal panel; return its tip x + i y [m] over time, and whether the run warned of its range."""
+    """Simulate a hinged modal panel; return its tip x + i y [m] at `times`, and whether it left its valid range."""
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0))
     mechanism = Mechanism((modal(beam),), (hinge, loose((beam.length, 0.0))), gravity=(0.0, -gravity))
     simulation, found = start(mechanism, rtol=1e-5), np.zeros(times.size, complex)
@@ -125,7 +125,7 @@ def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: T
 
 
 def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Simulate the same panel made of beam elements; return its tip x + i y [m] over time."""
+    """Simulate a hinged panel of ANCF beam elements; return its tip x + i y [m] at `times` [s]."""
     mechanism = flexible_pendulum(beam, ELEMENTS, gravity=gravity)
     simulation, found = Simulation(mechanism, RungeKutta(rtol=1e-4)), np.zeros(times.size, complex)
     for k, time in enumerate(times):
@@ -136,7 +136,7 @@ def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque:
 
 
 def _rigid(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Integrate a rigid panel under the same torques by SciPy; return its tip x + i y [m] over time."""
+    """Integrate a hinged rigid panel by SciPy under the same torques; return its tip x + i y [m] at `times` [s]."""
     inertia, weight = beam.mass * beam.length**2 / 3.0, 0.5 * beam.mass * gravity * beam.length
     state, found, now = np.zeros(2), np.zeros(times.size, complex), 0.0
     for k, time in enumerate(times):
@@ -164,7 +164,7 @@ def _turning(
 
 
 def spin_up() -> Iterator[Check]:
-    """Check bending, shortening and stiffening of a hinged panel spun up by a torque, within its range and outside."""
+    """Check the tip of a hinged panel that a torque spins up, within the modal theory's valid range and outside."""
     inertia, end = PANEL.mass * PANEL.length**2 / 3.0, 0.6
     # The slow spin raises the lowest frequency by up to 1e-3, and its vibration's phase by a few times as much;
     # the fast spin raises the frequency by up to 0.03.
@@ -177,7 +177,7 @@ def spin_up() -> Iterator[Check]:
 
 
 def falling_pendulum() -> Iterator[Check]:
-    """Check panels that fall about a hinge from level: the array's panel, one ten times as soft, one nearly rigid."""
+    """Check the tips of panels that fall about a hinge: the array's panel, one ten times softer, one nearly rigid."""
     # The spin of up to 4.4 rad/s changes the frequency by up to 5e-3, over four periods.
     yield from _turning("falling panel", DAMPED, 0.5, STANDARD_GRAVITY, lambda _: 0.0, 3e-2)
     soft = _scaled(0.1, DAMPED.damping)

@@ -1,6 +1,6 @@
-"""Cases of a mass that strikes the end of a free panel, along the panel's axis and across it.
+"""Verification cases of a mass that strikes the end of a free panel, along the panel's axis and across it.
 
-The references are the waves of a bar, and thousands of exact modes of a beam.
+The reference solutions are elastic waves in a bar, and thousands of exact modes of a beam.
 """
 
 import math
@@ -109,7 +109,7 @@ def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: floa
 
 
 def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> Struck:
-    """Solve the impact on a free beam across its first end, by modes with exact responses to forces linear in time.
+    """Solve a transverse impact on a free beam's first end, by modes with exact responses to piecewise linear forces.
 
     The force at the end of every step solves one scalar equation. The error falls with the square of the step.
 
@@ -154,7 +154,7 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
 
 
 def _strike(impact: Impact, direction: complex, modes: int, duration: float) -> tuple[float, float, float, float]:
-    """Simulate the impact; return peak force [N], impulse [N s], striker's exit speed [m/s], and contact count."""
+    """Simulate impact along (1) or across (1j); return peak force [N], impulse [N s], exit speed [m/s], contacts."""
     place, velocity = CLEARANCE * direction, impact.speed * direction
     origin, motion = (place.real, place.imag), (velocity.real, velocity.imag)
     striker = Body("striker", impact.mass, 1.0, 1.0, (0.0, 0.0), position=origin, velocity=motion)
@@ -189,7 +189,7 @@ def _checks(
 
 
 def struck_along() -> Iterator[Check]:
-    """Check a mass that strikes a panel's end along its axis, until tension from the far end parts the two."""
+    """Check a mass that strikes a panel's end along its axis, until a tension wave from the far end parts the two."""
     impedance = math.sqrt(PANEL.axial_stiffness * PANEL.linear_density)
     wave_speed = math.sqrt(PANEL.axial_stiffness / PANEL.linear_density)
     impact = Impact(6.0, 0.01, STIFF)
@@ -200,7 +200,7 @@ def struck_along() -> Iterator[Check]:
 
 
 def struck_across() -> Iterator[Check]:
-    """Check a mass that strikes a panel's end across it: a dozen contacts in four milliseconds, and a lasting one."""
+    """Check a mass that strikes a panel's end across it: a dozen contacts in 4 ms, and one lasting contact."""
     theory = FineBeam(PANEL, modes=3000)
     hard, soft = Impact(2.0, 0.1, STIFF), Impact(0.5, 0.01, 0.1 * STIFF)
     for impact, few, many in (

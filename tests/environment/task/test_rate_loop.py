@@ -8,9 +8,10 @@ import gymnasium
 import numpy as np
 import pytest
 
-from solar_env.environment.registration import DEPLOY_V1
+from solar_env.environment.registration import DEPLOY, DEPLOY_V1
 from solar_env.environment.task.drive import CRUISE, HASTE, LAG, REACH
 from solar_env.mechanics.arrays.columns import RATE
+from solar_env.mechanics.arrays.model import SLIDING_WORK, joint_integrals
 
 RATE_LOOP = {"model": "rigid-ideal", "action": "log_rate"}
 GAIN = 12.0
@@ -58,6 +59,31 @@ def test_without_the_filter_a_fast_loop_shakes_flexible_panels():
         env.reset(seed=0)
         wear.append(-sum(env.step([0.0])[-1]["reward_terms"]["wear"] for _ in range(20)))
     assert wear[0] > 10.0 * wear[1]
+
+
+def test_a_light_yoke_is_driven_without_shaking_and_beside_other_arrays_to_the_same_bits(monkeypatch):
+    yoke = {"panel_length": (0.3, 1.5), "panel_area_mass": (8.0, 3.0)}
+    task = {"model": "rigid-clearance", "hardware": {"rate_noise": 1e-3}}
+    vector = gymnasium.make_vec(DEPLOY, 2, parameters=[{}, yoke], **task)
+    singles = [gymnasium.make(DEPLOY, parameters=parameters, **task) for parameters in ({}, yoke)]
+    vector.reset(seed=[3, 4])
+    for seed, env in enumerate(singles, 3):
+        env.reset(seed=seed)
+    for _ in range(8):
+        many = vector.step(np.zeros((2, 1), np.float32))[0]
+        for env, observed in zip(singles, many, strict=True):
+            assert env.step(np.zeros(1, np.float32))[0].tobytes() == observed.tobytes()
+
+    def wear():
+        env = gymnasium.make(DEPLOY, parameters=yoke, model="rigid-clearance").unwrapped
+        env.reset(seed=0)
+        for _ in range(8):
+            env.step([0.0])
+        return joint_integrals(env.simulation.state.integrals)[:, SLIDING_WORK].sum()
+
+    steady = wear()
+    monkeypatch.setattr("solar_env.environment.task.drive.GENTLE", math.inf)
+    assert wear() > 10.0 * steady
 
 
 def test_the_filter_goes_with_an_episode_that_is_saved():

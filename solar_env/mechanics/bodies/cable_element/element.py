@@ -41,11 +41,11 @@ class CableElements(BodyKind[FlexibleBody]):
     deformable = True
 
     def coordinates(self, body: FlexibleBody) -> int:
-        """Return the number of coordinates: every node has two of its position and two of its slope."""
+        """Return the number of coordinates, four for each node: two of its position and two of its slope."""
         return 4 * (body.elements + 1)
 
     def fill(self, body: FlexibleBody, row: np.void, constants: list[float]) -> None:
-        """Fill a beam's lengths, stiffness and damping; append its mass matrix and the factors to `constants`."""
+        """Write a beam's lengths, stiffness and damping to `row`; append mass matrix and its factors to `constants`."""
         for name in ("length", "elements", "element_length", "axial_stiffness", "bending_stiffness", "damping"):
             row[name] = getattr(body, name)
         mass = matrices.mass_matrix(body.elements, body.element_length, body.linear_density)
@@ -57,12 +57,12 @@ class CableElements(BodyKind[FlexibleBody]):
             constants += band.ravel().tolist()
 
     def fill_marker(self, body: FlexibleBody, row: np.void, first: int, point: Point) -> None:
-        """Fill a marker's row; the marker must be at a node, and its direction is the node's slope."""
+        """Write the marker record `row` for the node at `point`; the marker's direction is the node's slope."""
         node = first + 4 * body.node(point)
         row["i1"], row["i2"], row["a1"] = node, node + 2, 1.0
 
     def initial_motion(self, body: FlexibleBody) -> tuple[Array, Array]:
-        """Return the coordinates and velocities of a beam at t = 0, when it is straight and unstrained."""
+        """Return the coordinates (n,) and velocities (n,) of a beam at t = 0, when it is straight and unstrained."""
         c, s = math.cos(body.angle), math.sin(body.angle)
         motion = []
         for start, slope in ((body.position, (c, s)), (body.velocity, (-s * body.spin, c * body.spin))):
@@ -73,7 +73,7 @@ class CableElements(BodyKind[FlexibleBody]):
         return motion[0], motion[1]
 
     def weight(self, body: FlexibleBody, gravity: Point) -> Array:
-        """Return the generalized weight: shape-function integrals times weight per length, plus lumped weights."""
+        """Return the gravity force (n,): shape-function integrals times weight per length, plus lumped weights."""
         step = body.element_length
         mass = body.linear_density * step
         force = np.zeros(self.coordinates(body))
@@ -87,23 +87,23 @@ class CableElements(BodyKind[FlexibleBody]):
         return force
 
     def error_weight(self, body: FlexibleBody) -> Array:
-        """Return ones for positions and, for slopes, the length [m] by which a unit slope moves the same inertia."""
+        """Return error-norm weights (n,): 1 for positions; slopes are converted to displacements of equal inertia."""
         slope = math.sqrt(4.0 / 156.0) * body.length / body.elements
         return np.tile([1.0, 1.0, slope, slope], body.elements + 1)
 
     def stable_step(self, body: FlexibleBody) -> float:
-        """Return the largest step [s] for which the explicit method is stable on the free straight beam."""
+        """Return the largest step [s] for which explicit Runge-Kutta is stable on the free straight beam."""
         stiffness = body.axial_stiffness, body.bending_stiffness
         return matrices.stable_step(body.elements, body.element_length, body.linear_density, *stiffness, body.damping)
 
     def rigid_motions(self, q: Array) -> Array:
-        """Return the coordinate rates of rigid motions; a translation does not change the nodes' slopes."""
+        """Return the coordinate rates (3, n) of rigid motions; a translation does not change the nodes' slopes."""
         motions = super().rigid_motions(q)
         motions[:2, 2::4] = motions[:2, 3::4] = 0.0
         return motions
 
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Return equally spaced points on the cubic polynomial of every element; a shared node counts once."""
+        """Return equally spaced points (..., k, 2) [m] on the elements' cubic curves; a shared node counts once."""
         elements = int(row["elements"])
         nodes = q.reshape(*q.shape[:-1], elements + 1, 2, 2)
         places = np.arange(elements + 1) * float(row["element_length"])
@@ -112,7 +112,7 @@ class CableElements(BodyKind[FlexibleBody]):
 
 
 def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
-    """Return the table of all beams' elements, in blocks; other bodies are skipped.
+    """Return the table of all beams' elements, in blocks of LANES elements; other bodies are skipped.
 
     Args:
         bodies: pair (index of the first coordinate, description) of every body.
@@ -162,7 +162,7 @@ def add_mass_product(body, constants, a, out):
 
 @kernel(inlined=False)
 def solve_mass(body, constants, force, a):
-    """Write a beam's M^-1 force to `a` (n,), by the factors of its banded mass matrix."""
+    """Write M^-1 times a beam's generalized `force` to `a` (n,), using the stored factors of the banded M."""
     rows, first = body.coordinates // 2, body.mass_factor
     fx, fy, gx, gy, hx, hy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(rows):

@@ -16,7 +16,10 @@ TABLE_ROWS = 19
 
 @kernel
 def add_axial_point(point, x, axial, damping, f):
-    """Return `f`, an element's forces and damping power, plus the axial contribution of one quadrature point."""
+    """Return `f`, an element's forces and damping power, plus the axial contribution of one quadrature point.
+
+    `point`: a row of `AXIAL`; `x`: chord and end slopes, then their rates; `axial`: E A L; `damping`: retardation time.
+    """
     d, a, b, _, _, _, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
     f0, f1, f2, f3, f4, f5, power = f
@@ -35,7 +38,7 @@ def add_axial_point(point, x, axial, damping, f):
 
 @kernel
 def add_bending_point(point, x, bending, damping, f):
-    """Return `f`, an element's forces and damping power, plus the bending contribution of one quadrature point."""
+    """Return `f` plus a quadrature point's bending contribution; `bending` is E I / L; see `add_axial_point`."""
     d, a, b, e, g, h, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
     f0, f1, f2, f3, f4, f5, power = f
@@ -65,7 +68,7 @@ def add_bending_point(point, x, bending, damping, f):
 
 @kernel
 def element_forces(lanes, constants, table):
-    """Compute the internal forces of a block of elements, several at a time in the processor's vector registers.
+    """Compute the internal forces of a block of elements in `table`, several elements at a time in vector registers.
 
     For vectorization the loop has no branch, quadrature points are written out, and strides in `table` are constant.
 
@@ -73,7 +76,7 @@ def element_forces(lanes, constants, table):
         lanes: number of elements, each of which has a column of `table`.
         constants: (3 * LANES,) E A L, E I / L and retardation time by element.
         table: (TABLE_ROWS * LANES,) rows. The first twelve, chord and slopes and then their rates, are read. The last
-            seven are written: the force by chord and slopes, viscous part included, and the damping power [W].
+            seven are written: the forces by chord and slopes, viscous part included, and the damping power [W].
     """
     for i in range(lanes):
         x = (

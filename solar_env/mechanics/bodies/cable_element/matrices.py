@@ -15,7 +15,7 @@ _REPRESENTATIVE_ELEMENTS = 12
 
 
 def _quadrature(points: int) -> tuple[tuple[float, ...], ...]:
-    """Return a row per Gauss point of [0, 1]: weights of d, a, b in r', weights in L r'', and quadrature weight."""
+    """Return a row per Gauss point of [0, 1]: weights of chord and end slopes in r', then L r''; quadrature weight."""
     nodes, weights = np.polynomial.legendre.leggauss(points)
     rows = []
     for s, w in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):
@@ -50,7 +50,7 @@ def mass_matrix(elements: int, element_length: float, linear_density: float) -> 
 
 
 def shape_at(elements: int, element_length: float, place: float) -> NDArray[np.float64]:
-    """Return the weights (2 (elements + 1),) of nodal positions and slopes for the point at `place` [m] on the axis."""
+    """Return weights (2 (elements + 1),) of nodal positions and slopes that give the axis point at `place` [m]."""
     e = min(int(place / element_length), elements - 1)
     s = place / element_length - e
     shape = np.zeros(2 * (elements + 1))
@@ -109,9 +109,9 @@ def stable_step(
 ) -> float:
     """Return the largest step [s] with which explicit Runge-Kutta of order four is stable on the free straight beam.
 
-    Every vibration obeys z'' + damping omega^2 z' + omega^2 z = 0. Its eigenvalues times the step must lie where
-    |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996,
-    section IV.2, doi:10.1007/978-3-642-05221-7).
+    Every vibration u obeys u'' + damping omega^2 u' + omega^2 u = 0. The step times each of its eigenvalues, z, must
+    satisfy |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II,
+    1996, section IV.2, doi:10.1007/978-3-642-05221-7).
     """
     count, limit = min(elements, _REPRESENTATIVE_ELEMENTS), math.inf
     mass, reaches = mass_matrix(count, element_length, linear_density), np.linspace(1e-2, 4.0, 40_000)

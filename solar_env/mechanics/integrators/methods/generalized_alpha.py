@@ -82,7 +82,7 @@ class Iteration(NamedTuple):
 
 
 def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
-    """Allocate the arrays of a generalized-alpha step, and fill the mass matrix."""
+    """Allocate the arrays of a generalized-alpha step, and compute the mass matrix."""
     n = state.q.size
     size = n + state.multipliers.size
     return Iteration(
@@ -108,7 +108,7 @@ def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
 
 @kernel
 def fill_residual(model, state, it, work, time, scale):
-    """Fill `it.rhs` for Newton's equations: the negative residuals of dynamics, times `scale`, and of constraints."""
+    """Write Newton's right-hand side to `it.rhs`: negative residuals of dynamics, times `scale`, and of constraints."""
     bodies, rhs, force = model.bodies, it.rhs, work.force
     q, multipliers = it.q, it.multipliers
     n, rows = q.size, work.residual.size
@@ -148,7 +148,7 @@ def solve_newton(model, it):
 
 @kernel
 def solve_step(model, state, it, work, settings, h):
-    """Solve a step `h` [s] into `it`; return the last Newton correction divided by its tolerance (<= 1: converged)."""
+    """Solve a step `h` [s] in `it`; return the last Newton correction divided by its tolerance (<= 1: converged)."""
     n = state.q.size
     alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
     q0, v0, a0, x0 = it.start_q, it.start_v, state.a, state.algorithmic_a
@@ -205,7 +205,7 @@ def solve_step(model, state, it, work, settings, h):
 
 @kernel
 def restart(model, state, it, work, settings, h):
-    """Compute accelerations and multipliers anew at the accepted state, for steps `h` [s]; return False if singular."""
+    """Recompute accelerations and multipliers of `state` for steps `h` [s]; False if the constraints are singular."""
     q0, v0, time = it.start_q, it.start_v, state.clock[0].time
     # Velocities violate the constraints by O(h^2), which would cause forces of O(h^2 / new step) in a shorter step.
     if not prepare_response(model, q0, time, work):
@@ -232,7 +232,7 @@ def restart(model, state, it, work, settings, h):
 
 
 class AlphaArrays(NamedTuple):
-    """Work arrays of generalized-alpha for one thread; the thread reuses them for each mechanism of a batch."""
+    """Work arrays of generalized-alpha for one thread, which reuses them for all mechanisms of a batch."""
 
     trial: NDArray[np.void]  # (1,) rows of `trial.trial_type`
     motion: NDArray[np.void]  # (joints,) rows of `trial.joint_motion_type`
@@ -260,7 +260,7 @@ def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
 
 @kernel
 def prepare(model, state, arrays):
-    """Compute the joints' impact speeds, and the powers, at the start of a step.
+    """Compute impact speeds in `arrays.work`, and powers in `arrays.iteration`, at the start of a step.
 
     A free journal gets its present approach speed as the impact speed, in case the step ends in contact.
     """
@@ -332,14 +332,14 @@ def attempt_alpha(model, state, settings, arrays, h):
 
 @kernel
 def complete_alpha(model, state, settings, arrays, h):
-    """Fill the joint forces and powers of the constraints at the end of the step."""
+    """Compute joint forces and drive powers from multipliers at the end of the step, in `arrays.work`."""
     it = arrays.iteration
     store_constraint_loads(model, it.multipliers, state.clock[0].time + h, it.q, arrays.work)
 
 
 @kernel
 def sample_alpha(model, state, settings, arrays, recorder, h, share):
-    """Record a sample at `share` of the step: a cubic Hermite polynomial gives positions, its derivative velocities."""
+    """Record a sample at `share` of the step: positions by a cubic Hermite polynomial, velocities by its derivative."""
     it, work, scratch = arrays.iteration, arrays.work, arrays.scratch
     for i in range(state.q.size):
         rise = it.q[i] - it.start_q[i]
@@ -360,7 +360,7 @@ def sample_alpha(model, state, settings, arrays, recorder, h, share):
 
 @kernel
 def commit_alpha(model, state, settings, arrays, h, share):
-    """Accept the state and the integrals at the end of the step."""
+    """Copy the solution at the end of the step to `state`, and update the state's integrals; return True."""
     it = arrays.iteration
     for k in range(state.integrals.size):
         state.integrals[k] += 0.5 * h * (it.power[k] + arrays.work.power[k])
@@ -375,7 +375,7 @@ def commit_alpha(model, state, settings, arrays, h, share):
 
 @kernel
 def evaluate_alpha(model, state, arrays, changed):
-    """Fill `motion` with joint angles, rates and forces from the joint loads at the accepted state."""
+    """Copy joint angles, rates and forces at the accepted state to `arrays.motion`; return True."""
     take_loads(arrays.work.loads, arrays.motion)
     return True
 

@@ -46,7 +46,7 @@ _WORTH = 2.5
 _STRICTER = 2.0
 # Most explicit steps before the next implicit try: after a failed try the number of steps is doubled.
 _LONGEST_WAIT = 256
-# Controller of the step size that accuracy alone would allow.
+# Controller of the step size that accuracy alone, without the stability limit, would allow.
 _CONTROL = StepController(4.0)
 
 # Below the speed velocity_scale / _SLOW, a flexible mechanism's velocity scale shrinks with the square of the speed,
@@ -56,7 +56,7 @@ _LEAST_SCALE = 1e-3
 
 
 class StageSettings(NamedTuple):
-    """Settings of methods with stages in the types that the kernels take."""
+    """Settings of the integration methods with stages (Runge-Kutta, Rosenbrock), in the types that the kernels take."""
 
     rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
     velocity_scale: float  # [m/s]
@@ -66,7 +66,7 @@ class StageSettings(NamedTuple):
 
 
 class StageArrays(NamedTuple):
-    """Work arrays of methods with stages for one thread; the thread reuses them for each mechanism of a batch."""
+    """Work arrays of integration methods with stages for one thread; reused for every mechanism of a batch."""
 
     trial: NDArray[np.void]  # (1,) rows of `trial.trial_type`
     motion: NDArray[np.void]  # (joints,) rows of `trial.joint_motion_type`
@@ -89,7 +89,7 @@ def convert_settings(chosen: RungeKutta) -> StageSettings:
 
 
 def make_stage_arrays(model: Model, state: State) -> StageArrays:
-    """Allocate a thread's work arrays of methods with stages for a mechanism."""
+    """Allocate a thread's work arrays of integration methods with stages, for a mechanism."""
     work, scratch = make_workspace(model, state), make_workspace(model, state)
     stages, stiff, step = make_stages(state, STAGES), make_stiff_forces(state), make_linear_step(model, state, work)
     trial, motion = np.zeros(1, trial_type), np.zeros(state.joints.size, joint_motion_type)
@@ -98,7 +98,7 @@ def make_stage_arrays(model: Model, state: State) -> StageArrays:
 
 @kernel
 def present_velocity_scale(velocity_scale, weights, v0, v):
-    """Return the velocity scale [m/s] of the error norm, which is smaller while a flexible mechanism moves slowly."""
+    """Return the error norm's velocity scale [m/s], which is reduced while a flexible mechanism moves slowly."""
     top = 0.0
     for i in range(v.size):
         top = max(top, weights[i] * max(abs(v0[i]), abs(v[i])))
@@ -107,7 +107,7 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
 
 @kernel
 def begin_rosenbrock(model, state, settings, arrays):
-    """Prepare the work arrays for a call, without values of earlier calls; return False if constraints are singular."""
+    """Prepare work arrays for a call, and clear values of earlier calls; return False if constraints are singular."""
     step = arrays.step
     arrays.stiff.active[0] = 0
     step.linearized[0] = NEVER
@@ -129,7 +129,7 @@ def choose_rosenbrock(model, state, settings, arrays, remaining):
 
 @kernel
 def attempt_rosenbrock(model, state, settings, arrays, h):
-    """Try a step `h` [s] and write its end to `stages`; return its error divided by tolerance, negative if singular."""
+    """Try a step `h` [s] in `arrays.stages`; return its error / tolerance, negative if constraints are singular."""
     work, stages = arrays.work, arrays.stages
     if arrays.trial[0].implicit:
         error = _STRICTER * attempt_implicit(model, state, stages, arrays.step, work, settings, h)
@@ -149,7 +149,7 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
 
 @kernel
 def adapt_rosenbrock(model, state, settings, arrays, accepted):
-    """Choose when to try the next linearly implicit step, after the size of the next step is set."""
+    """After the next step's size is set, set when to try the next linearly implicit step, in `state.clock`."""
     clock, trial = state.clock[0], arrays.trial[0]
     if accepted and settings.implicit:
         clock.explicit_wait -= not trial.implicit

@@ -5,8 +5,8 @@ doi:10.1007/978-3-642-05221-7. With y' = f(y) and the Jacobian J at the start of
 
 (1 / (gamma h) - J) u_i = f(y_0 + sum_j a_ij u_j) + sum_j c_ij u_j / h,      y_1 = y_0 + sum_i m_i u_i.
 
-Here y = (q, v), and accelerations and multipliers are algebraic variables, as in a differential-algebraic equation of
-index 1. Eliminating all but the velocities leaves, for every stage, one system of equations with the matrix
+Here y = (q, v); accelerations and multipliers are algebraic variables of a differential-algebraic equation of index 1.
+Eliminating all but the velocities leaves, for every stage, one system of equations with the matrix
 
 [[M + gamma h C + (gamma h)^2 K, Phi_q^T], [Phi_q, 0]],
 
@@ -82,7 +82,7 @@ class LinearStep(NamedTuple):
 
 
 def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
-    """Allocate the arrays of a linearly implicit step, and fill the mass matrix."""
+    """Allocate the arrays of a linearly implicit step, and compute the mass matrix."""
     n, k = state.q.size, state.multipliers.size
     blocks = model.elimination.first.size
     return LinearStep(
@@ -107,7 +107,7 @@ def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
 
 @kernel
 def add_length_slopes(model, state, a, newton, diagonal):
-    """Add the derivatives of the acceleration-level length constraints d.a + u.u = 0 to the stage matrix."""
+    """Add slopes of length constraints d.a + u.u = 0 to `newton.matrix`; d joins base points, u = d' and a = d''."""
     q, v, elimination = state.q, state.v, model.elimination
     first = q.size + model.constraints.size.size
     for b in range(model.bodies.size):
@@ -122,7 +122,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
 
 @kernel
 def set_stage(state, stages, step, s, h):
-    """Compute coordinates, velocities, accelerations, multipliers and past-stage sums at the start of stage `s`."""
+    """Compute coordinates, velocities, accelerations, multipliers, sums over past stages for stage `s` in `step`."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
     copy_into(q, state.q)
     copy_into(v, state.v)
@@ -149,7 +149,7 @@ def set_stage(state, stages, step, s, h):
 
 @kernel
 def solve_stage(model, state, stages, step, s, force, diagonal):
-    """Solve for the increments of stage `s`; `force` (n,) is the applied force at the stage's `step.q` and `step.v`."""
+    """Solve for the increments of stage `s`, in `step`; `force` (n,) is the applied force at `step.q` and `step.v`."""
     elimination, position = model.elimination, model.elimination.position
     n, rows = state.q.size, model.constraints.size.size
     x, factor, product = step.unknowns, step.factor, step.product
@@ -188,7 +188,7 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
 
 @kernel
 def border_length(state, start_a, step, k, row, position, diagonal):
-    """Enter a length constraint, and the nonlinear part of its multiplier's force, in the stage's right-hand side."""
+    """Add a length constraint, and its multiplier's nonlinear force, to the stage's right-hand side `step.unknowns`."""
     q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
     multiplier, start = step.multipliers[row], state.multipliers[row]
     square = diagonal * diagonal
@@ -208,13 +208,13 @@ def border_length(state, start_a, step, k, row, position, diagonal):
 
 @kernel(inlined=False)
 def evaluate_forces(model, joint_states, q, v, work):
-    """Compute forces like `system.applied_forces`, without being inlined, which would take long to compile."""
+    """Call `system.applied_forces`, compiled only once: compiling it anew inside every caller would take long."""
     applied_forces(model, joint_states, q, v, work)
 
 
 @kernel
 def take_contacts_from_ends(joints, power, gain, h):
-    """Replace Simpson's rule by the trapezoidal rule in the integrals of contacts.
+    """Replace Simpson's rule by the trapezoidal rule for the contacts' integrals in `gain`.
 
     The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step.
     The solution resolves the depth at the step's ends, but the interpolant does not resolve it in between.
@@ -244,8 +244,7 @@ def estimate_error(model, state, stages, step, settings):
 def attempt_implicit(model, state, stages, step, work, settings, h):
     """Try a linearly implicit step `h` [s]; write its end to `stages`, as `runge_kutta.take_stages` does.
 
-    Returns:
-        The step's error divided by the tolerance; negative if the constraints are singular.
+    Return the step's error divided by the tolerance, negative if the constraints are singular.
     """
     time = state.clock[0].time
     diagonal = GAMMA * h

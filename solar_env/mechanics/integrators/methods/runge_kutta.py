@@ -45,13 +45,13 @@ BOOKED_ENERGIES = (m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, *(law.integral 
 
 
 class StiffForces(NamedTuple):
-    """Stiff forces of the current step (`stiff_forces.py`); the first `active` entries of each array are in use."""
+    """Stiff forces of the current step (`stiff_forces.py`); the first `active[0]` entries of each array are in use."""
 
     joint: NDArray[np.int64]  # (joints,) indices
     stiffness: NDArray[np.float64]  # (joints,) along the gradient; 0 for a stop, whose damping alone is stiff
     damping: NDArray[np.float64]  # (joints,)
     shares: NDArray[np.float64]  # (joints, 2) fractions of stop and of damper in the damping; friction has the rest
-    resistance: NDArray[np.float64]  # (joints,) damping plus the part that the stiffness adds in a stage
+    resistance: NDArray[np.float64]  # (joints,) damping plus the stiffness's contribution in a stage
     gradient: NDArray[np.float64]  # (joints, n) of angle or depth
     response: NDArray[np.float64]  # (joints, n) accelerations by a unit force
     motion: NDArray[np.float64]  # (joints, n) motions by 1 along one gradient and by 0 along the others
@@ -112,7 +112,7 @@ def restore_ends(v0, stages, stiff):
 
 @kernel
 def take_stages(model, state, arrays, h):
-    """Compute the stages of a step `h` [s], and its end in `stages.q`, `.v` and `.gain`; return False if singular."""
+    """Compute a step's stages, and its end in `stages.q`, `.v`, `.gain`; return False if constraints are singular."""
     work, stages, stiff = arrays.work, arrays.stages, arrays.stiff
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
@@ -158,7 +158,7 @@ def take_stages(model, state, arrays, h):
 
 @kernel
 def contact_error(model, arrays, stiff, h):
-    """Return the greatest depth error of lasting contacts, divided by its tolerance, a fraction of the depth."""
+    """Return the greatest depth error in lasting contacts, divided by its tolerance (a fraction of the depth)."""
     worst, stages = 0.0, arrays.stages
     for c in range(stiff.active[0]):
         if stiff.stiffness[c] > 0.0:

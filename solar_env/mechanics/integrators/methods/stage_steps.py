@@ -1,4 +1,4 @@
-"""Run-loop kernels of methods with stages: the motion inside a step, its acceptance, samples and force peaks.
+"""Run-loop kernels of Runge-Kutta and Rosenbrock: the motion inside a step, its acceptance, samples and force peaks.
 
 Constraints are enforced on the acceleration level and by projection of every accepted step.
 """
@@ -30,7 +30,7 @@ _PEAK_SAMPLES = 8
 
 @kernel
 def fill_rows(model, work):
-    """Fill a workspace's constraint rows and columns from a model."""
+    """Copy a model's constraint rows to `work.row_value`, and compute `work.columns` for the constant rows."""
     for r in range(work.row_value.shape[0]):
         copy_into(work.row_value[r], model.constraints.value[r])
     fill_columns(model, work, False)
@@ -38,7 +38,7 @@ def fill_rows(model, work):
 
 @kernel
 def measure_depths(model, state, motion):
-    """Fill `motion` with every clearance joint's penetration [m] and its rate [m/s] at the accepted state."""
+    """Write clearance joints' penetrations [m] and their rates [m/s] at the accepted state to the records `motion`."""
     for j in range(model.joints.size):
         joint = model.joints[j]
         if joint.kind == CLEARANCE:
@@ -47,17 +47,17 @@ def measure_depths(model, state, motion):
 
 @kernel
 def take_loads(loads, motion):
-    """Fill `motion` with joint angles, rates and forces from the joint-load table (joints, LOAD_COLUMNS)."""
+    """Copy joint angles, rates and forces from the joint-load table (joints, LOAD_COLUMNS) to the records `motion`."""
     for j in range(motion.size):
         motion[j].angle, motion[j].rate, motion[j].force = loads[j, ANGLE], loads[j, RATE], loads[j, NORMAL]
 
 
 @kernel(inlined=False)
 def begin_stages(model, state, settings, arrays):
-    """Prepare a call, with the last call's accelerations if still valid; return False if constraints are singular.
+    """Prepare arrays for a call, with the last accelerations if still valid; return False if constraints are singular.
 
-    The stages are cleared: a stage that a step has not reached yet enters with weight zero, but zero times a value that
-    is not finite would not be zero.
+    The stages are cleared, because a stage that a step has not reached yet enters with weight zero, and zero times a
+    value that is not finite would not be zero.
     """
     work, stages, clock = arrays.work, arrays.stages, state.clock[0]
     for array in (stages.velocity, stages.acceleration, stages.power):
@@ -150,12 +150,12 @@ def refine_peaks(model, state, arrays, h, share):
 
 @kernel
 def complete_nothing(model, state, settings, arrays, h):
-    """Do nothing: the attempt has already filled the end of the step."""
+    """Do nothing: the attempt has already computed all quantities at the end of the step."""
 
 
 @kernel
 def commit_stages(model, state, settings, arrays, h, share):
-    """Accept state and integrals at the fraction `share` of the step; return False if constraints are singular."""
+    """Move `state` to the fraction `share` of a step `h` [s], and project it; False if constraints are singular."""
     stages, integrals, end = arrays.stages, state.integrals, state.clock[0].time + share * h
     if share < 1.0:
         hermite_state(state, stages, h, share)
@@ -177,7 +177,10 @@ def commit_stages(model, state, settings, arrays, h, share):
 
 @kernel
 def evaluate_stages(model, state, arrays, changed):
-    """Fill the next step's first stage from this step's last stage, or anew if an event has `changed` the forces."""
+    """Copy this step's last stage to the next step's first stage, or evaluate it if an event has `changed` the forces.
+
+    Return False if the constraints are singular.
+    """
     stages, clock = arrays.stages, state.clock[0]
     if changed:
         if not refresh(model, state, stages, arrays.work):
@@ -194,7 +197,7 @@ def evaluate_stages(model, state, arrays, changed):
 
 @kernel
 def resume_stages(model, state, arrays):
-    """Fill the impact speeds and the first stage's velocities from the accepted state."""
+    """Copy the accepted state's impact speeds to the workspace, and its velocities to the first stage."""
     set_impact_speeds(state.joints, arrays.work.impact_speeds)
     copy_into(arrays.stages.velocity[0], state.v)
 
@@ -209,7 +212,7 @@ def open_contact(model, state, arrays, j):
 
 @kernel
 def contact_arcs(model, state, arrays, j):
-    """Return the contact arcs (middle, half) [rad] on journal and bearing; half is zero, because steps are short."""
+    """Return the contact arcs on journal and bearing as (middle, half-width) [rad]; short steps have half-width 0."""
     joint, markers, loads = model.joints[j], model.markers, arrays.work.loads
     ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
     journal = vector_angle(markers[joint.outboard], state.q, ex, ey)

@@ -20,7 +20,7 @@ from solar_env.mechanics.numerics.linear import copy_into
 
 
 class Stages(NamedTuple):
-    """Stage derivatives and end of the current step, and work arrays."""
+    """Stage derivatives and end values of the current step, and work arrays."""
 
     velocity: NDArray[np.float64]  # (stages, n)
     acceleration: NDArray[np.float64]  # (stages, n)
@@ -59,14 +59,14 @@ def make_stages(state: State, rows: int) -> Stages:
 
 @kernel
 def set_impact_speeds(joint_states, impact_speeds):
-    """Fill `impact_speeds` (joints,) [m/s] for journals in contact, and with zeros for free journals."""
+    """Write the joints' impact speeds [m/s] to `impact_speeds` (joints,); they are zero for joints without contact."""
     for j in range(joint_states.size):
         impact_speeds[j] = joint_states[j].impact_speed if joint_states[j].in_contact else 0.0
 
 
 @kernel(inlined=False)
 def refresh(model, state, stages, work):
-    """Evaluate the first stage at the accepted state, with its contact modes; False if constraints are singular."""
+    """Evaluate the accepted state's derivatives in `stages` and `state`; return False if constraints are singular."""
     set_impact_speeds(state.joints, work.impact_speeds)
     clock = state.clock[0]
     regular = accelerations(
@@ -111,7 +111,7 @@ def cubic_weights(s):
 
 @kernel(inlined=False)
 def hermite_state(state, stages, h, share):
-    """Fill `stages.scratch_q` and `.scratch_v` with the interpolated state at the fraction `share` of the step."""
+    """Write the interpolated state at the fraction `share` of the step to `stages.scratch_q` and `.scratch_v`."""
     q0, v0, q1, v1 = state.q, state.v, stages.q, stages.v
     acceleration, q, v = stages.acceleration, stages.scratch_q, stages.scratch_v
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
@@ -124,7 +124,7 @@ def hermite_state(state, stages, h, share):
 
 @kernel
 def hermite_depth(joint, markers, state, stages, h, share):
-    """Return a joint's penetration [m] at `share` of the step, from interpolating only the joint's eccentricity."""
+    """Return a joint's penetration [m] at `share` of the step, by interpolating only the joint's eccentricity."""
     acceleration = stages.acceleration
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
     ex0, ey0 = relative(joint, markers, state.q)
@@ -140,7 +140,7 @@ def hermite_depth(joint, markers, state, stages, h, share):
 
 @kernel
 def interpolate_without_accelerations(state, stages, h, share):
-    """Fill `stages.scratch_q` at `share` of the step from coordinates and velocities at the step's ends alone.
+    """Compute `stages.scratch_q` at `share` of the step from coordinates and velocities at its ends alone.
 
     Use it for steps corrected for stiff contacts. Their end accelerations, which differ from the accelerations in
     between, would open or overload a lasting contact of only some nanometres depth.
@@ -153,7 +153,7 @@ def interpolate_without_accelerations(state, stages, h, share):
 
 @kernel
 def hermite_integrals(state, stages, h, share):
-    """Fill `stages.integrals` with the running integrals at the fraction `share` of the step."""
+    """Write the running time integrals at the fraction `share` of the step to `stages.integrals`."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
     _, start, whole, end = cubic_weights(share)
     for k in range(integrals.size):

@@ -4,9 +4,9 @@ The end slope of a beam element has next to no inertia, so that a latch's damper
 that rests in its bearing could vibrate on the contact's stiffness within milliseconds. Explicit steps would have to
 resolve these times even if nothing moves. However, the stiff part A of the Jacobian is known. Let g be the gradient of
 the stop's angle or of the contact's depth, w the accelerations by a unit force with its friction, and k and c stiffness
-and damping. A turns velocities u and accelerations a into the accelerations - w (k g.u + c g.a) and, for contacts, the
-accelerations' part along g into velocities. A W-method (T. Steihaug and A. Wolfbrandt, Math. Comput. 33 (1979) 521,
-doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
+and damping. Applied to rates u of coordinates and a of velocities, A gives - w (k g.u + c g.a) as rate of
+accelerations. For contacts it also gives the part of a along g as rate of velocities. A W-method (T. Steihaug and A.
+Wolfbrandt, Math. Comput. 33 (1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
 
 k_i = f(y + h sum_j alpha_ij k_j) + h A sum_j gamma_ij k_j + h gamma_i r,
 
@@ -67,7 +67,7 @@ def past_sum(values, stage, i):
 
 @kernel
 def contact_directions(joint, markers, q, v, gradient, force):
-    """Add a contact depth's gradient to `gradient`; fill `force` with minus the contact force at unit normal force."""
+    """Add a contact depth's gradient to `gradient`; write minus the contact force per unit normal force to `force`."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
@@ -86,7 +86,7 @@ def contact_directions(joint, markers, q, v, gradient, force):
 
 @kernel
 def lasts(joint_state, time):
-    """Return whether a joint's contact lasts: whether its impact, with short steps of its own, is over."""
+    """Return whether a joint is in lasting contact at `time` [s]: its impact, which short steps resolve, is over."""
     return (
         joint_state.in_contact != 0
         and time - joint_state.contact_start >= IMPACT_DURATIONS * joint_state.contact_duration
@@ -95,7 +95,7 @@ def lasts(joint_state, time):
 
 @kernel
 def may_be_stiff(model, state):
-    """Return whether any joint's force could be stiff at the state; the check costs next to nothing."""
+    """Return whether any joint's force could be stiff at the state, by a check that costs next to nothing."""
     flexible, time, found = model.flexible != 0, state.clock[0].time, False
     joint_states = state.joints
     for j in range(joint_states.size):
@@ -106,7 +106,7 @@ def may_be_stiff(model, state):
 
 @kernel
 def collect(model, state, work, stiff, h):
-    """Enter the forces that are stiff over a step `h` [s]; return their number, and whether they are contacts.
+    """Store the forces that are stiff over a step `h` [s] in `stiff`; return (their number, whether they are contacts).
 
     With beams only hinge damping counts: the beams' small inertias make hinge damping stiff, and their axial vibrations
     bound the step more than contacts do. Between rigid bodies only lasting contacts count.
@@ -158,7 +158,7 @@ def collect(model, state, work, stiff, h):
 
 @kernel
 def separate_motions(stiff, count):
-    """Fill `stiff.motion` with a motion along each gradient alone; return False if gradients are linearly dependent."""
+    """Compute, in `stiff.motion`, motions along one gradient only; return False if gradients are linearly dependent."""
     if not lu_factor(stiff.matrix, count):
         return False
     for k in range(count):
@@ -176,7 +176,7 @@ def separate_motions(stiff, count):
 
 @kernel
 def measure_rest(model, state, work, stiff, count, start, h):
-    """Fill `stiff.rest`, the accelerations' rate of change without stiff forces, by a difference; False if singular."""
+    """Compute `stiff.rest`, the accelerations' rate without stiff forces, by finite difference; False if singular."""
     q, v, time = state.q, state.v, state.clock[0].time
     delta = _PROBE * h
     q1, v1, rest = stiff.probe_q, stiff.probe_v, stiff.rest
@@ -203,7 +203,7 @@ def begin_step(model, state, work, stiff, start, h):
     Args:
         model, state: arrays of the mechanism at the start of the step.
         work: workspace, changed.
-        stiff: a `runge_kutta.StiffForces`, filled.
+        stiff: a `runge_kutta.StiffForces`; written.
         start: (n,) accelerations at the start of the step.
         h: step [s].
     """
@@ -226,7 +226,7 @@ def begin_step(model, state, work, stiff, start, h):
 
 @kernel
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
-    """Correct the velocities, accelerations and powers of a stage to the stage derivatives of the W-method."""
+    """Correct row `stage` of `velocity`, `acceleration` and `power` to the stage derivatives of the W-method."""
     count = stiff.active[0]
     force_rate, right, a = stiff.force_rate, stiff.force_rate[stage], acceleration[stage]
     share = DIAGONAL
@@ -269,7 +269,7 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
 
 @kernel
 def add_force_to_powers(power, first, force):
-    """Add `force` [N] to a contact's compressive normal force, by scaling the powers proportional to that force."""
+    """Add `force` [N] to a contact's normal force: scale its powers, from index `first` of `power`, accordingly."""
     normal = power[first + m.IMPULSE]
     if normal > 0.0:
         scale = max(1.0 + force / normal, 0.0)

@@ -1,4 +1,4 @@
-"""Table of the integration methods, from which runs, batches, warm-up and tests follow.
+"""Table of the integration methods, which run loop, batches, warm-up and tests read.
 
 A method is one module with its settings, its work arrays and its kernels. At compile time the type of the settings
 selects the kernels that a run calls: `attempt_of(settings)(...)`. The formulation determines the arrays of a run.
@@ -48,21 +48,20 @@ class Kernels:
     is the size of the current step [s], and `share` is a fraction of the step from 0 to 1.
 
     Attributes:
-        begin: prepares the arrays for a call, fills `motion` and a first step size; False if constraints are singular.
+        begin: prepares the arrays for a call, computes `motion` and a first step; False if constraints are singular.
         choose: returns the step to try [s] by accuracy, impacts and settings; `remaining` is the time left in the call.
         attempt: tries a step without changing the accepted state; returns the error divided by the tolerance, negative
             if constraints are singular. It may set in `trial` the step to try after a rejection. The run loop derives
             no step size from the error of a shortened step.
-        complete: fills the quantities that samples and acceptance need and the attempt has not filled.
+        complete: computes the quantities that samples and acceptance need and the attempt has not computed.
         sample: records a sample at a fraction of the step.
-        commit: moves the state to a fraction of the step and fills depths and their rates in `motion`; False if
-            constraints are singular.
-        evaluate: fills the rest of `motion` at the accepted state, whose forces an event may have `changed`.
+        commit: moves the state to a fraction of the step, stores depths and rates in `motion`; False if singular.
+        evaluate: computes the rest of `motion` at the accepted state, whose forces an event may have `changed`.
         open_contact: returns a joint's inverse effective mass [1/kg] at the start of contact.
         contact_arcs: returns the arcs along which the line of centres has moved in the frames of journal and bearing,
-            as (middle, half) [rad] each.
+            as (middle, half-width) [rad] each.
         depth, angle: return the penetration [m] and the angle [rad] of a joint at a fraction of the step.
-        landing: how steps end at events.
+        landing: how steps end at events: NOT_AT_ALL, AT_SHARE or BY_SOLVING_AGAIN.
         control: controller of the step size, without effect on a fixed step.
         note_peaks: raises the force maxima to the peaks inside the step.
         resume: prepares the next step, after the ends of contacts.
@@ -201,7 +200,7 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable) -> Callable:
-    """Return a function that gives, for kernel settings, `pick(kernels)` of their method, resolved at compile time."""
+    """Return a function from kernel settings to `pick(kernels)` of their method, which is resolved at compile time."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 

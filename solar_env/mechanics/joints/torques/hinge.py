@@ -75,7 +75,7 @@ def may_be_stiff(joint, joint_state):
 
 @kernel
 def enter_torques(torques, j, loads):
-    """Write the torques of joint `j` to the table of loads; `enter_cable` adds the cable loops' torques afterwards."""
+    """Write the torques of joint `j` to row `j` of `loads`; `enter_cable` adds the cable loops' torques afterwards."""
     loads[j, c.SPRING_TORQUE] = torques.spring
     loads[j, c.HARNESS_TORQUE] = torques.harness
     loads[j, c.CABLE_TORQUE] = 0.0
@@ -87,14 +87,14 @@ def enter_torques(torques, j, loads):
 
 @kernel
 def enter_cable(cable, torque, loads):
-    """Add a cable loop's torques on its two joints to the table of loads, given the torque on the outer joint [N m]."""
+    """Add a cable loop's torques on its two joints to `loads`; `torque` is its torque on the outer joint [N m]."""
     loads[cable.joint_a, c.CABLE_TORQUE] -= cable.torque_ratio * torque
     loads[cable.joint_b, c.CABLE_TORQUE] += torque
 
 
 @kernel
 def summed_torque(loads, j):
-    """Return the sum of all torques on joint `j` [N m] from the table of loads."""
+    """Return the sum of all torques on joint `j` [N m] in row `j` of the table `loads`."""
     total = loads[j, c.FIRST_TORQUE]
     for column in range(c.FIRST_TORQUE + 1, c.END_OF_TORQUES):
         total += loads[j, column]
@@ -103,9 +103,9 @@ def summed_torque(loads, j):
 
 @kernel
 def add_torque_powers(torques, rate, weight, j, out):
-    """Add `weight` times the powers of joint `j`'s torques, at a rate [rad/s], to the joint's entries of `out`.
+    """Add to `out` `weight` times the powers of joint `j`'s motor torque, latch torque, damper and dry friction.
 
-    `out` holds the time integrals or their rates. Vectors are summed over their lanes.
+    `out` holds time integrals or their rates; `rate` is the joint's [rad/s]. Vectors are summed over their elements.
     """
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.MOTOR_WORK] += sum_lanes(weight * torques.motor * rate)
@@ -115,7 +115,7 @@ def add_torque_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_resistance_powers(torques, rate, weight, j, out):
-    """Add `weight` times the powers that damper and dry friction of joint `j` dissipate; see `add_torque_powers`."""
+    """Add to `out` `weight` times the dissipation of joint `j`'s damper and dry friction, as `add_torque_powers`."""
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.DAMPER_DISSIPATION] -= sum_lanes(weight * torques.damping * rate)
     out[first + m.HINGE_FRICTION_DISSIPATION] -= sum_lanes(weight * torques.friction * rate)
@@ -123,9 +123,10 @@ def add_resistance_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_cable_power(cable, torque, rate, weight, out):
-    """Add `weight` times a cable loop's power, at the inner wheel's rate [rad/s], to the integrals or rates in `out`.
+    """Add `weight` times the power of a cable loop to its entry of `out`, which holds time integrals or their rates.
 
-    The power is zero if torque ratio and wheel ratio are equal. Vectors are summed over their lanes.
+    `torque` acts on the outer joint [N m]; `rate` is the inner wheel's [rad/s]. The power is zero if torque ratio and
+    wheel ratio are equal. Vectors are summed over their elements.
     """
     power = torque * (cable.wheel_ratio - cable.torque_ratio) * rate
     out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += sum_lanes(weight * power)
@@ -133,7 +134,7 @@ def add_cable_power(cable, torque, rate, weight, out):
 
 @kernel
 def add_torque_energies(joint, joint_state, angle, energies):
-    """Add the energies [J] that springs, harness and stops of a joint store at an angle [rad] to `energies`."""
+    """Add to `energies` the energies [J] that springs, harness and stops of a joint store at an angle [rad]."""
     stretch = joint.spring_preload_angle - angle
     energies[m.SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
     if joint.spring_points > 0:

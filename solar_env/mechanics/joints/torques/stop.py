@@ -1,7 +1,8 @@
 """Stops of a hinge: stow stop, latch, end stop without a latch, and hold-down, all with the same torque law.
 
 The law is BISTOP with STEP damping (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188, Eqs 5-7).
-Latch and hold-down have two faces, other stops one. A face lies a free play off the stop's angle, 0 for a hold-down.
+Latch and hold-down have two faces, other stops one. The free play is the distance of a face from the stop's angle; it
+is 0 for a hold-down.
 """
 
 import math
@@ -12,9 +13,9 @@ from solar_env.mechanics.numerics.vectors import where_less
 
 @kernel
 def one_sided_stop(joint, depth, closing_rate):
-    """Return the torque with which one stop face resists, its elastic part, and its slopes by depth and closing rate.
+    """Return a stop face's resisting torque [N m], its elastic part, and its slopes by depth and closing rate.
 
-    The torque is k depth^e plus damping that a cubic STEP ramps in over `stop_ramp_depth`; the stop never pulls.
+    The torque is k depth^e, plus damping that grows as a cubic STEP up to the depth `stop_ramp_depth`. It never pulls.
     """
     inside, exponent = where_less(0.0, depth, depth, 0.0), joint.stop_exponent
     growth = joint.stop_stiffness * (1.0 + 0.0 * inside if exponent == 1.0 else inside ** (exponent - 1.0))
@@ -30,7 +31,7 @@ def one_sided_stop(joint, depth, closing_rate):
 
 @kernel
 def stop_depth(joint, joint_state, angle):
-    """Return the depth [rad] in the stop that a joint meets, negative outside, and the sign of the stop's torque."""
+    """Return the depth [rad] of a joint's `angle` in its stop, negative outside, and the sign of the stop's torque."""
     if joint_state.held:
         off = angle - joint.stow_angle
         return abs(off), where_less(0.0, off, -1.0, 1.0)
@@ -45,9 +46,9 @@ def stop_depth(joint, joint_state, angle):
 
 @kernel
 def stop_torque(joint, joint_state, angle, rate):
-    """Return the stops' torque on the joint angle, its elastic part, and its slopes by angle and rate.
+    """Return the stops' torque on the joint angle [N m], its elastic part, and its slopes by angle and rate.
 
-    A stop that is not engaged exerts no torque: the torque is then smooth within a step of the explicit method.
+    A stop that is not engaged exerts no torque: the torque is then smooth within a step of an explicit method.
     """
     if not joint_state.stop_engaged:
         nothing = 0.0 * angle

@@ -1,8 +1,8 @@
 """Torques that are tabulated by angle: springs of any characteristic, and harnesses.
 
 A monotone piecewise cubic interpolates the table (F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984)
-300, doi:10.1137/0905021), as SciPy's PCHIP does. Beyond the table's ends the torque continues along straight lines.
-Evaluated as a sum of truncated powers, the cubic needs no search: a line, plus a square and a cube from each knot on.
+300, doi:10.1137/0905021), as SciPy's PCHIP does. Beyond the table's ends the torque continues along straight lines. The
+cubic is a sum of truncated powers: a line, plus a square and a cube from each knot on. It needs no search.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from solar_env.mechanics.numerics.vectors import where_less
 
 
 def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
-    """Return the truncated powers (TABLE_ROWS, 3) of a table of angles [rad] and torques [N m].
+    """Return truncated-power coefficients (TABLE_ROWS, 3) of the curve through points (angle [rad], torque [N m]).
 
     Row 0 holds the line (first angle, torque, slope); each other row holds a knot (angle, factors of square and cube).
     """
@@ -39,7 +39,7 @@ def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64
 
 @kernel(inlined=False)
 def table_torque(table, points, angle):
-    """Return the torque [N m] of a compiled table with `points` knots at an angle [rad], and the slope [N m/rad]."""
+    """Return the torque [N m] at an angle [rad], and its slope [N m/rad], by a compiled table with `points` knots."""
     torque, slope = table[0, 1] + table[0, 2] * (angle - table[0, 0]), table[0, 2] + 0.0 * angle
     for k in range(1, points + 1 if points > 1 else 1):
         beyond = angle - table[k, 0]
@@ -50,7 +50,7 @@ def table_torque(table, points, angle):
 
 
 def steepest_slope(points: tuple[tuple[float, float], ...]) -> float:
-    """Return the greatest slope magnitude [N m/rad] of the curve through a torque table."""
+    """Return the greatest slope magnitude [N m/rad] of the curve through points (angle [rad], torque [N m])."""
     if len(points) < 2:
         return 0.0
     angles = np.linspace(points[0][0], points[-1][0], 500)
@@ -59,7 +59,7 @@ def steepest_slope(points: tuple[tuple[float, float], ...]) -> float:
 
 @kernel(inlined=False)
 def table_energy(table, points, angle):
-    """Return a tabulated torque's potential energy [J] at an angle [rad], zero at the first of `points` knots."""
+    """Return a tabulated torque's potential energy [J] at an angle [rad], zero at the first of its `points` knots."""
     beyond = angle - table[0, 0]
     energy = -beyond * (table[0, 1] + 0.5 * table[0, 2] * beyond)
     for k in range(1, points + 1 if points > 1 else 1):

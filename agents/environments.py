@@ -36,7 +36,7 @@ EPISODES_PER_SEED = 10_000
 
 
 def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID) -> Keywords:
-    """Return `env_kwargs` with random release rates of the joints, unless they or the scenario already name ranges.
+    """Return `env_kwargs` with random release rates of the joints, unless `env_kwargs` or the scenario gives ranges.
 
     Raises:
         ValueError: The environment refuses a keyword. `env_kwargs` contains `max_episode_steps`, which would cut
@@ -66,7 +66,7 @@ def with_interface(env_kwargs: Mapping[str, object], controller: str, interface:
     """Return `env_kwargs` with a controller's interface: observation, action and control period.
 
     Raises:
-        ValueError: `env_kwargs` contain a keyword of the interface with another value.
+        ValueError: `env_kwargs` contain a keyword of the interface with another value; the error names `controller`.
     """
     for name, value in interface.items():
         if env_kwargs.get(name, value) != value:

@@ -1,4 +1,4 @@
-"""The controller's interface, the signals it reads, the base classes of torque laws, and the weighted opening."""
+"""Interface of controllers, names and units of signals, base classes of torque laws, and mean opening of two joints."""
 
 import math
 from abc import ABC, abstractmethod
@@ -20,9 +20,9 @@ class Controller(Protocol):
 
     @property
     def predict(self) -> Callable[..., tuple[np.ndarray, Any]]:
-        """Function of observations (n_obs,) or (n, n_obs), a state, episode starts and a flag to act without noise.
+        """Prediction function with Stable-Baselines3's arguments: observation, state, episode_start, deterministic.
 
-        The function returns actions (1,) or (n, 1) in [-1, 1], and the next state.
+        The function maps observations (n_obs,) or (n, n_obs) to actions (1,) or (n, 1) in [-1, 1] and the next state.
         """
 
 
@@ -68,10 +68,10 @@ class Signals:
         return self.lock_angles[self.driven_joint]
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
-        """Refuse `env` if its signals differ from these; the error names `learned_on`, the environment of the training.
+        """Refuse `env` if its signals differ from `self`; the error names `learned_on`, the training environment.
 
         Raises:
-            ValueError: The entries of an observation, or the units or the period of actions or observations, differ.
+            ValueError: An attribute differs. The torque limit may differ if no action or observation is a torque.
         """
         unitless = self.action != "torque" and "motor_torque" not in self.names  # no signal is in units of torque
         for name, value in vars(Signals.of(env)).items():
@@ -162,7 +162,7 @@ class LawParameters:
 
     @classmethod
     def bounds(cls) -> np.ndarray:
-        """Return the least and greatest value of every number (numbers, 2), field by field."""
+        """Return the bounds (numbers, 2) of all numbers in the parameters, least and greatest, in the fields' order."""
         defaults: list[Any] = [f.default for f in fields(cls)]
         return np.repeat([f.metadata["bounds"] for f in fields(cls)], [np.size(d) for d in defaults], axis=0)
 

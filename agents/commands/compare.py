@@ -33,7 +33,7 @@ class Args(ArrayOption, ModelOptions, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Tune, compare, and write and print the comparison; see `Args`."""
+    """Tune the damper and the laws, compare them, and write and print the comparison; see `Args`."""
     if args.points < 6:
         raise ValueError(f"points = {args.points} must be at least 6, a generation of the search")
     array = args.parameter_file

@@ -83,7 +83,7 @@ def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
 
 
 def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
-    """Make a page of trajectories and results of `run_episode`, both by controller name; a note states `command`."""
+    """Make a page of `episodes` and their results (`figures`) by the controllers' names; a note states `command`."""
     landed = [name for name in episodes if figures[name]["latched"]]
     softest = min(landed, key=lambda name: figures[name]["peak_postlock_force_N"], default=None)
     lands = "none lands"

@@ -50,7 +50,7 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Train and compare; write a run folder with models, configuration, table and plot."""
+    """Train a policy, compare it with torque laws, and write a run folder: models, configuration, table and plot."""
     episode_seeds("evaluation", 0, args.eval_episodes)  # refuses a number out of range
     args.workers  # noqa: B018 (checks them)
     if args.resume:

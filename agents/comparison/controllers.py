@@ -24,7 +24,7 @@ class NamedController:
     Attributes:
         name: Name in tables and figures.
         spec: Name in `agents.laws.table.LAWS`, shipped policy, run folder, or .zip file of Stable-Baselines3's
-            `model.save`; or one of these after `SEARCH_AROUND`.
+            `model.save`; or one of these after "receding-horizon:", for a search around this controller.
 
     Raises:
         FileNotFoundError: From the methods, if the run does not exist or has no policy.
@@ -37,7 +37,7 @@ class NamedController:
 
     @property
     def base(self) -> str:
-        """Specification `spec` without `SEARCH_AROUND`: the controller itself, or the one around which it searches."""
+        """Specification `spec` without the prefix "receding-horizon:", which means a search around a controller."""
         return self.spec.removeprefix(SEARCH_AROUND)
 
     @property
@@ -86,7 +86,7 @@ class NamedController:
         return runs.read_config(self.folder)
 
     def interface(self) -> Keywords:
-        """Return the `INTERFACE` keywords of the environment that the policy was trained on, or that laws need."""
+        """Return the environment keywords of observation, action and control period that the controller needs."""
         if self.base in LAWS:
             return dict(OF_LAWS)
         training = self.training()

@@ -99,7 +99,7 @@ def without_failed(rows: Sequence[Row]) -> list[Row]:
 
 
 def fitting(laws: Sequence[str], env_id: str, env_kwargs: Mapping[str, object]) -> list[str]:
-    """Return the laws that fit an environment, which must have the observations that they read, and drive one hinge."""
+    """Return the laws that fit an environment: it has the observations that they read, and it drives a single hinge."""
     env, found = make_env(env_id, {**env_kwargs, **OF_LAWS}), []
     for law in laws:
         with contextlib.suppress(ValueError), warnings.catch_warnings():
@@ -122,7 +122,7 @@ def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[s
 
 
 def run_cell(cell: Cell) -> Row:
-    """Run the episode that a cell describes; return the results of `run_episode`, or seed and reason of a failure."""
+    """Run the episode that a `cell` of `episode_cell` describes; return results of `run_episode`, or seed and error."""
     env, controller = _prepared(json.dumps({**cell, "seed": None}))
     try:
         return run_episode(env, controller, cell["seed"])
@@ -132,7 +132,7 @@ def run_cell(cell: Cell) -> Row:
 
 @lru_cache(maxsize=4)
 def _prepared(text: str) -> tuple[gymnasium.Env, Controller]:
-    """Make environment and controller of a cell, given as JSON text without seed; both are cached for later cells."""
+    """Make environment and controller from JSON text of `episode_cell` without seed, and cache both for later calls."""
     cell = json.loads(text)
     env = _environment(cell["env_id"], json.dumps(cell["env_kwargs"]))
     if "parameters" in cell:
@@ -146,7 +146,7 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
 
 
 def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) -> list[Row]:
-    """Run cells on `workers` processes, equal cells once; return the results of `run_cell` in the order of `cells`."""
+    """Run the episodes of `cells` on `workers` processes, equal ones once; return `run_cell` results in their order."""
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different, done = dict(zip(keys, cells, strict=True)), dict[str, Row]()
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
@@ -168,8 +168,9 @@ def common_environment(
 ) -> tuple[str, Keywords]:
     """Return the environment id and the keywords on which all trained controllers among `controllers` agree.
 
-    `env_id`, if not None, replaces their id; without both, the id is `DEFAULT_ENV_ID`. The keywords leave out all names
-    in `INTERFACE` and `given`. They also leave out "randomize" if `given` has any name, or the training another id.
+    `env_id`, if not None, replaces their id; without both, the id is `DEFAULT_ENV_ID`. Keywords of observation, action
+    and control period, and all keywords that `given` names, are left out. The keyword "randomize" is left out too if
+    `given` is not empty, or if the training had another id.
 
     Raises:
         ValueError: The controllers were trained on different environments; the user must choose one.

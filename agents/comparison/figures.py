@@ -21,7 +21,7 @@ OVER = ("environment steps", "seconds of a core")  # names of the abscissas
 
 @rc_context(STYLE)
 def comparison_figure(summary: Summary, path: Path) -> None:
-    """Plot interquartile mean, interval and worst episode of every controller, and save the plot to `path`.
+    """Plot interquartile mean, interval and worst episode of each controller's results, and save the plot to `path`.
 
     Fewer than `FEWEST` episodes have no interval. A quantity that is zero for all controllers, such as wear with ideal
     joints, has no panel. `summary` comes from `agents.comparison.report.summarize`.
@@ -64,7 +64,7 @@ def comparison_figure(summary: Summary, path: Path) -> None:
 
 
 class Panel(NamedTuple):
-    """Learning curves in one environment (a scene), by algorithm and then by seed, and the mean return of each law."""
+    """Learning curves in one environment, by algorithm and then by seed, and the mean return of each torque law."""
 
     curves: dict[str, list[Curve]]
     laws: dict[str, float]
@@ -72,9 +72,9 @@ class Panel(NamedTuple):
 
 @rc_context(STYLE)
 def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequence[str] = OVER) -> None:
-    """Plot validation returns, with a column of axes per scene and a row per abscissa in `over`; save it to `path`.
+    """Plot validation returns, with a column of axes per environment and a row per abscissa in `over`; save to `path`.
 
-    Curves are medians over training seeds, in a band from least to greatest, up to the earliest end among the seeds.
+    Curves are medians over training seeds, in a band from least to greatest, up to the end of the shortest run.
     """
     size = max(4.2 * len(panels), 6.5), 1.0 + 2.75 * len(over)
     figure = Figure(figsize=size, layout="constrained")
@@ -103,7 +103,7 @@ def learning_curves_figure(panels: Mapping[str, Panel], path: Path, over: Sequen
 
 
 def _over_common(of_agent: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Return all abscissas (n,) up to the runs' earliest end, and each run's values (runs, n) interpolated there."""
+    """Return all abscissas (n,) up to the end of the shortest run, and all values (runs, n), interpolated there."""
     at = np.unique(np.concatenate([run for run, _ in of_agent]))
     at = at[at <= min(run[-1] for run, _ in of_agent)]
     return at, np.array([np.interp(at, *run) for run in of_agent])

@@ -42,7 +42,7 @@ class Contest:
         return {**self.env_kwargs, **OF_LAWS, "parameters": {**self.env_kwargs["parameters"], "hinge_damping": damping}}
 
     def cells(self, spec: str, env_kwargs: Mapping[str, object], seeds: Sequence[int], **more: object) -> list[Cell]:
-        """Describe a controller's episodes as cells for `run_cells`; `more` holds further entries."""
+        """Describe an episode of controller `spec` per seed, as dictionaries for `run_cells` that also hold `more`."""
         shared = {"spec": spec, "env_id": self.env_id, "env_kwargs": runs.jsonable(env_kwargs), **more}
         return [{**shared, "seed": seed} for seed in seeds]
 

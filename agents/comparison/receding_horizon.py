@@ -16,7 +16,7 @@ class SearchSettings:
     """Settings of the search of `RecedingHorizon`.
 
     Attributes:
-        knots: Number of values of the residual action, at equal time intervals from now to the deadline.
+        knots: Number of values of the residual (added to the base's action), at equal times from now to the deadline.
         candidates: Number of rollouts in an iteration.
         elites: Number of the best rollouts, to which the next iteration's distribution is fitted.
         iterations: Number of iterations of the cross-entropy method at every replanning.
@@ -69,7 +69,7 @@ class RecedingHorizon(DeterministicController):
     def act(self, observation: np.ndarray) -> np.ndarray:
         """Return the planned action (1,) or (1, 1) for the present period of the environment.
 
-        Only the shape of `observation`, (n_obs,) or (1, n_obs), is used. The environment's time tells a new episode.
+        Only the shape of `observation`, (n_obs,) or (1, n_obs), is used. The environment's time 0 marks a new episode.
 
         Raises:
             gymnasium.error.ResetNeeded: Before the environment's first reset.
@@ -113,7 +113,7 @@ class RecedingHorizon(DeterministicController):
         self.predicted_returns.append(predicted)
 
     def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Roll out residuals (n, knots); return float32 actions and rewards, (n, periods) each, from now to the end.
+        """Simulate the rest of the episode with each of the residuals (n, knots); return actions, rewards (n, periods).
 
         The rows of shorter episodes end with zeros.
         """

@@ -100,7 +100,7 @@ def _cell(value: Estimate, figure: str) -> str:
 
 
 def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
-    """Format a mean times a factor, followed by its interval if there are at least `FEWEST` values."""
+    """Format a mean times a factor by `form`, such as "{:.3g}", followed by its interval from `FEWEST` values on."""
     text = form.format(value.mean * factor)
     if value.count < FEWEST:
         return text

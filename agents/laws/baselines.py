@@ -26,8 +26,8 @@ class UntunedWarning(UserWarning):
 def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
     """Read the tuned parameters of the law `name` for a model of `env_id` from `agents/configs/<name>.json`.
 
-    Parameters are tuned for a model with any number of modes or elements. A model without tuned parameters gets, with
-    a warning, parameters for `FALLBACK_MODEL`, which deploy the array but are not the law's best for that model.
+    The name of a model has no number of modes or elements, as in flexible-clearance. A model without tuned parameters
+    gets, with a warning, parameters for `FALLBACK_MODEL`, which deploy the array but are not the best for that model.
 
     Raises:
         ValueError: The file has no usable entry for `env_id`, or its keys are not the law's parameters.
@@ -59,13 +59,13 @@ def tuning_of(name: str, env_id: str, model: str) -> dict[str, Any]:
 
 
 def _entries(name: str) -> dict[str, Any]:
-    """Read the file of a law: environment id -> model -> entry; return an empty dictionary if no file exists."""
+    """Read the file of a law: environment id -> model -> tuning result; return an empty dictionary if it is missing."""
     path = CONFIGS / f"{name}.json"
     return read_json(path) if path.exists() else {}
 
 
 def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
-    """Return the entry of a law's file that applies to a model, and the model for which this entry was tuned."""
+    """Return the tuning result in a law's file that applies to a model, and the model for which it was tuned."""
     entries, (stem, _, _) = _entries(name), env_id.rpartition("-")
     by_model = entries.get(env_id) or entries.get(f"{stem}-v1", {})
     source = model if model in by_model else FALLBACK_MODEL

@@ -47,7 +47,7 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
     """Feedback that makes the opening follow a velocity profile which slows down towards latching.
 
     The profile has constant deceleration, `min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))` at the opening `s`,
-    but is never too slow to reach the lock angle `RESERVE` ahead of the deadline.
+    but is never too slow to reach the lock angle by the time `RESERVE` ahead of the deadline.
     Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile for joint 1 alone does not lower
     the impact, so `s` is a mean of both. The low-pass filtered torque is zero where the rate follows the profile.
     """

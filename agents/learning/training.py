@@ -72,7 +72,7 @@ def train(config: runs.Configuration, folder: Path, timesteps: int, progress: bo
 
 
 def go_on(model: BaseAlgorithm, validation: EvalCallback, folder: Path) -> int:
-    """Restore `model` and `validation` from a run's last validation; return the steps. A replay buffer starts empty."""
+    """Restore `model` and `validation` from a run's last validation, with an empty replay buffer; return steps done."""
     model.set_parameters(str(folder / runs.LAST), device="cpu")
     with zipfile.ZipFile(folder / runs.LAST) as file:
         model.num_timesteps = json.loads(file.read("data"))["num_timesteps"]

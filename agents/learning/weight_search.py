@@ -111,7 +111,7 @@ class CMAES(ARS):
         callback.on_rollout_end()
 
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
-        """Judge weights by their mean return in one episode per environment; the best so far become the policy's."""
+        """Judge weights by their mean return in one episode per environment; the policy takes the best ones so far."""
         first = self.seed or 0
         tries = [(searched, first + episode) for episode in range(self.env.num_envs)]
         mean_return = float(self._returns(tries, callback).mean())
@@ -121,7 +121,7 @@ class CMAES(ARS):
             self.policy.load_from_vector(self.weights.numpy())
 
     def _whole(self, searched: np.ndarray) -> np.ndarray:
-        """Return all weights (n_params,) of a candidate: the policy's, with `searched` (searched,) as the last."""
+        """Return the policy's weights (n_params,), with the last ones replaced by a candidate's weights `searched`."""
         return np.concatenate([self.weights.numpy()[: -self.searched], searched]).astype(np.float32)
 
     def _returns(self, tries: Sequence[tuple[np.ndarray, int]], callback: BaseCallback) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 `parameters` holds the values with their checks, ranges and files. `level` says how panels and joints are modelled.
 `construction` builds the mechanism. `methods` chooses the integrator. `deployment` simulates a deployment, `data_files`
-writes the trajectory. `motorization` compares the hinges' torques. `ladder` finds the cheapest model level.
+writes the trajectory. `motorization` compares driving and resisting torques. `ladder` finds the cheapest model level.
 
 The package imports `mechanics` and `support`. A new parameter is a documented field of `ArrayParameters`, which
 `construction` uses.

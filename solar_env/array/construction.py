@@ -78,7 +78,7 @@ def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float])
 
 
 def _main_body(p: ArrayParameters) -> AnyBody:
-    """Return the main body; its base points are (0, hinge_y) and (body_length, hinge_y) from the centroid [m]."""
+    """Return the main body, described by its points (0, hinge_y) and (body_length, hinge_y) from the centroid [m]."""
     return Body(
         "main body",
         p.body_mass,
@@ -133,14 +133,20 @@ def _cable(p: ArrayParameters, inner: JointRow, outer: JointRow) -> CableLoop:
 
 
 def main_body_corners(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute the main body's corners (..., 4, 2) [m], in outline order, from its base points (..., 2, 2) [m]."""
+    """Compute the main body's corners (..., 4, 2) [m], in counter-clockwise order.
+
+    `base_points` (..., 2, 2) [m] are positions of the two points that describe the main body, see `_main_body`.
+    """
     centroid, along, across = main_body_frame(parameters, base_points)
     half, corners = parameters.body_size / 2, ((-1, -1), (1, -1), (1, 1), (-1, 1))
     return np.stack([centroid + half * (i * along + j * across) for i, j in corners], axis=-2)
 
 
 def main_body_frame(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """Compute (centroid [m], unit x axis, unit y axis) of the main body, (..., 2) each, from its two base points."""
+    """Compute (centroid [m], unit x axis, unit y axis) of the main body, (..., 2) each.
+
+    `base_points` (..., 2, 2) [m] are positions of the two points that describe the main body, see `_main_body`.
+    """
     along = base_points[..., 1, :] - base_points[..., 0, :]
     along = along / np.hypot(along[..., :1], along[..., 1:])
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)

@@ -71,7 +71,7 @@ def simulate(
 
 
 def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
-    """Rebuild a deployment's array parameters, and the model arrays for its coordinates, from its metadata."""
+    """Rebuild from metadata the array parameters of a deployment, and the compiled model that it simulated."""
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
     mechanism = build(parameters, details["model"])
@@ -79,7 +79,7 @@ def compiled(trajectory: Trajectory) -> tuple[ArrayParameters, ModelArrays]:
 
 
 def hub_place(parameters: ArrayParameters, model: ModelArrays, q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute hub centroid x, y [m] and angle [rad], in -pi to pi, as columns (nt, 3), from coordinates `q` (nt, n)."""
+    """Compute the main body's centroid x, y [m] and angle [rad], -pi to pi, (nt, 3), from coordinates `q` (nt, n)."""
     centroid, along, _ = main_body_frame(parameters, centreline(model, q, 0))
     return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
 

@@ -74,7 +74,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """Return the answers that `cheapest` may choose for a question, by rising `bound`, each cheaper than the last."""
+    """Return the answers to a question that are Pareto-optimal in `bound` and cost, in the order of rising bound."""
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
         if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
@@ -86,7 +86,7 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
     """Return the answer of the cheapest level whose error, including its sampling band, is within a tolerance.
 
     Raises:
-        ValueError: if the question is unknown or was not measured, the tolerance is no positive finite number, or no
+        ValueError: if the question is unknown or was not measured, the tolerance is not positive or exceeds 10, or no
             level is accurate enough.
     """
     check_name("question", question, QUESTIONS)
@@ -108,5 +108,5 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
 
 
 def cheapest_level(question: str, tolerance: float) -> str:
-    """Return the name (for `model=`) of the cheapest level that answers a question within a relative tolerance."""
+    """Return the name of the cheapest model level whose answer to one of QUESTIONS is within a relative tolerance."""
     return cheapest(read_answers(), question, tolerance).level

@@ -90,7 +90,7 @@ class ModelLevel:
         return self.name if self.size in (RIGID, f"{DEFAULT_MODES} {MODES}") else f"{self.name}:{self.size}"
 
     def body(self, panel: PanelRow, name: str, motion: dict[str, Any]) -> AnyBody:
-        """Return a panel's description at this level; `motion` has its position, angle, velocity and spin at t = 0."""
+        """Return the body that models a panel at this level; `motion`: position, angle, velocity, spin at t = 0."""
         if not self.flexible:
             return Body(name, panel.mass, panel.inertia, panel.length, (panel.centroid, 0.0), **motion)
         elastic = panel.axial_stiffness, panel.bending_stiffness, panel.damping

@@ -24,9 +24,9 @@ INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 def default_integrator(model: str | ModelLevel) -> RungeKutta:
     """Return the default integrator of a model level.
 
-    Panels of beam elements get a linearly implicit method, because their stiff vibrations would limit explicit steps.
-    Modal panels get `ModalRadau`. The tolerances follow from measured errors in angles, latch times and impact
-    statistics (`solar-env study precision`).
+    Panels of ANCF cable elements get the linearly implicit `Rosenbrock`, because their stiff vibrations would limit
+    explicit steps. Modal panels get `ModalRadau`, rigid panels `RungeKutta`. The tolerances follow from measured errors
+    in angles, latch times and impact statistics (`solar-env study precision`).
     """
     level = ModelLevel.of(model)
     if level.modal:

@@ -72,7 +72,7 @@ def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None 
     """Compare driving and resisting torques of every hinge, and of each whole wing if cable loops couple its hinges.
 
     Args:
-        parameters: array parameters. Motor torque is left out, and journal friction too: journals are still unloaded.
+        parameters: array parameters. Motor torque and the friction of the journals, which are unloaded, do not count.
         factors: uncertainty factors by resistance, which replace entries of FACTORS.
 
     Raises:
@@ -128,7 +128,10 @@ def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) ->
 
 
 def _weight(p: ArrayParameters, joint: int) -> Array:
-    """Compute the torque (angles,) [N m] of unsupported panel weight about a joint; all joints open in proportion."""
+    """Compute the opening torque (angles,) [N m] that the weight of the panels beyond a joint exerts on the joint.
+
+    All joints open in proportion to their lock angles. The weight that hangers carry does not count.
+    """
     opened = np.array([row.sign * (np.linspace(0.0, row.lock_angle, _ANGLES) - row.fold_angle) for row in p.joints])
     turned = np.concatenate([np.cumsum(wing, axis=0) for wing in np.split(opened, p.wings)])
     turned[p.panel_count :] += np.pi  # a mirrored wing begins at the main body's other side

@@ -50,7 +50,7 @@ class WorkerOptions(QuietOption):
 
     @property
     def workers(self) -> int:
-        """Number of processes, or -1 for one per processor; a number below 1 raises a ValueError."""
+        """Number of processes, or -1 for one per processor; a value of `jobs` below 1 raises a ValueError."""
         if self.jobs is not None and self.jobs < 1:
             raise ValueError(f"jobs = {self.jobs!r} must be at least 1")
         return self.jobs or -1
@@ -87,11 +87,11 @@ class FolderOptions:
     """measure nothing, draw the figures from the tables again"""
 
     def folders(self, name: str, tables: Path | None = None, figures: Path | None = None) -> tuple[Path, Path]:
-        """Make and return the folders of tables and of figures; with `draw` the tables' folder must already exist.
+        """Make and return folders for tables and figures; with the option `draw` the folder of tables must exist.
 
         Args:
-            name: name of the folder if `out` is None.
-            tables, figures: folders of the study's page, which replace `out` if `readme` is set.
+            name: name of the folder for both, unless the option `out` or `readme` is set.
+            tables, figures: folders beside the study's page, for the option `readme`; None stands for `name`.
 
         Raises:
             ValueError: if both `out` and `readme` are given.
@@ -171,7 +171,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
 
 
 def _senseless(cls: type, argv: Sequence[str]) -> str:
-    """Return an error message, or "", for input that tyro wrongly accepts: empty words, or key=value pairs twice."""
+    """Return "", or an error message for an empty value or a repeated `Assignments` option, which tyro accepts."""
     hints = get_type_hints(cls, include_extras=True)
     pairs = {f"--{name.replace('_', '-')}" for name, kind in hints.items() if kind == Assignments}
     options = [word.partition("=")[0] for word in argv if word.startswith("--")]

@@ -66,6 +66,6 @@ def run_command(args: Args) -> int:
 
 
 def ranges(words: Sequence[str]) -> dict[str, object]:
-    """Turn words like "hinge_damping=0,5" (a range) and "latch_damping" (None) into ranges by parameter name."""
+    """Map parameter names to ranges: "hinge_damping=0,5" gives the range (0, 5), "latch_damping" gives None."""
     given = parse_assignments([word for word in words if "=" in word])
     return {**dict.fromkeys(word.strip() for word in words if "=" not in word), **given}

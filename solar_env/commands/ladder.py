@@ -29,7 +29,7 @@ class Args(FolderOptions, QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Measure, write the table, draw the figure, and print the cheapest level by question and tolerance."""
+    """Print the cheapest level for `--ask`; otherwise measure the levels, write and print a table, draw a figure."""
     if args.ask is not None:
         answer = cheapest(read_answers(), args.ask, args.tolerance)
         print(answer.level)
@@ -58,7 +58,7 @@ def choices(answers: tuple[Answer, ...]) -> str:
     """Return a Markdown table of model levels, cheapest first, with the tolerance to which each answers each question.
 
     Tolerances are the errors of the levels, sampling included, rounded up to two digits. An entry is empty where
-    another level answers at less cost, and where the error may be as large as the answer.
+    another level is as accurate at no greater cost, and where the error may reach 100 %.
     """
     told: dict[str, dict[str, Answer]] = {}
     for question in QUESTIONS:

@@ -42,7 +42,7 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Run the ensemble, print the loads and their tables, and write the requested files."""
+    """Simulate an ensemble of deployments, print a summary and tables of the loads, and write the requested files."""
     from solar_env.studies.loads.ensemble import LoadsPlan, check_latching, measure_loads
     from solar_env.studies.loads.hub import write_hub_loads
     from solar_env.studies.loads.page import loads_page

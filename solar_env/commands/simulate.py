@@ -108,7 +108,7 @@ def run_command(args: Args) -> int:
 
 
 def _unlatched(parameters: ArrayParameters, latch_times: Array, angles: Array, duration: float) -> str:
-    """Return a sentence on joints that have not latched and springs that stall; `angles` [rad] are the final ones."""
+    """Return a sentence that counts latched joints and names open ones; `angles` [rad] are the final joint angles."""
     open_joints = [row for row in parameters.joints if np.isnan(latch_times[row.index])]
     latched, hinges = len(parameters.joints) - len(open_joints), motorization(parameters)
     text = f"{latched or 'None'} of {len(parameters.joints)} joints latched within {duration:g} s: "

@@ -14,7 +14,7 @@ STUDIES = "solar_env.studies"
 
 
 def rows(group: str) -> dict[str, str]:
-    """Return the module of every entry point in a group, by name; a source tree's pyproject.toml adds entry points."""
+    """Map the names of a group's entry points to their modules; in a source tree, pyproject.toml adds entry points."""
     found = {point.name: point.value for point in entry_points(group=group)}
     source = PACKAGE.parent / "pyproject.toml"
     if source.is_file():
@@ -32,6 +32,6 @@ def load(group: str, name: str) -> Any:
 
 
 def summaries(group: str, what: str) -> dict[str, str]:
-    """Return, by entry name, the first docstring paragraph of `what` in each module of a group, without imports."""
+    """Map the names of a group's entry points to the first docstring paragraph of the object `what` in each module."""
     sentences = {name: docstring(module, what).partition("\n\n")[0] for name, module in rows(group).items()}
     return {name: sentence.replace("\n", " ").rstrip(".") for name, sentence in sentences.items()}

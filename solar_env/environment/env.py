@@ -50,8 +50,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     A feedback loop holds the setpoint. With rigid panels it sets the motor torque 20 times a second to 25 N m s/rad
     times the rate error. That gain would shake flexible panels; theirs is 12 N m s/rad, 100 times a second. A light
-    driven panel, such as a yoke, gets more samples a second. The loop subtracts the springs' torque, by their
-    parameters before random sampling. The torque stays within the limit and passes a low-pass filter of 0.1 s. The
+    driven panel, such as a yoke, gets more samples a second. The loop subtracts the springs' torque, found
+    with parameters before random sampling. The torque stays within the limit and passes a low-pass filter of 0.1 s. The
     setpoint changes by at most 0.05 rad/s^2. The keyword `hardware` changes the loop; arrays of four or more panels
     need a greater `rate_loop_gain`. After the last latching the drive alone brings the array to rest with a setpoint
     of 0; the step of that latching lasts until the episode ends.
@@ -90,8 +90,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         3.2 - log10(1 + F / 1 N) - 2 log10(1 + W / 1 mJ) - 0.01 t - 2 max(0, t - 19.5),
 
-    where F is the peak force and W the sliding work: a tenfold F costs 1, a tenfold W costs 2. The opening earns 3.2 on
-    the way. A missed deadline must cost more than F and W can; all the time of the episode is then charged, too.
+    where F is the peak force and W the sliding work: a tenfold F costs 1, a tenfold W costs 2. The term `opening` earns
+    the 3.2 step by step. A missed deadline must cost more than F and W can together; then all time is charged, too.
 
     With rigid panels the springs alone return -4.0. The best constant action, 0, returns -2.4. PPO of Stable-Baselines3
     with its defaults returns -0.6 to -0.1 after 100,000 steps, and 0.7 to 0.9 after a search over the last layer of its
@@ -116,7 +116,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     Every step has `time_s` and `reward_terms`. The last step also has `deployment`, the results of the episode. Results
     of the array are `latched`, `motor_work_J`, `energy_residual_J`, `duration_s`, and `v1_return`, the return of the
-    same deployment at the prices of version 1. Lists by joint are `latch_times_s`, `peak_latch_torque_Nm`,
+    same deployment by the rewards of version 1. Lists by joint are `latch_times_s`, `peak_latch_torque_Nm`,
     `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`, `postlock_impulse_Ns`,
     `postlock_sliding_work_J`, `wear_depth_max_m` and `contact_starts`.
 
@@ -161,7 +161,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._episodes.parameters[0]
 
     def futures(self, lanes: int, threads: int | None = None) -> Episodes:
-        """Return episodes that continue `lanes` copies of the present one, to try actions; see `Episodes.futures`."""
+        """Return `Episodes` of `lanes` environments that continue the present episode; `Episodes.futures` says more."""
         return self._episodes.futures(0, lanes, threads)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
@@ -183,7 +183,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             return self._episodes.observations[0].copy(), self._episodes.info(0)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, Info]:
-        """Advance by one control period with a held action (motors,), clipped to [-1, 1].
+        """Advance by one control period with a constant action (motors,), which is clipped to [-1, 1].
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.

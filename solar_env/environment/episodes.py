@@ -27,7 +27,7 @@ Info = dict[str, Any]  # Gymnasium's `info` of a step, or the figures of a deplo
 
 class SavedEpisode(NamedTuple):
     """A copy of an episode between two steps, see `Episodes.save`: parameters, settings, simulation state (contacts
-    included), reward terms with their accounts, and the memories of drives and sensors.
+    included), latest reward terms, quantities charged so far, and the states of drives and sensors.
     """
 
     parameters: ArrayParameters
@@ -53,7 +53,7 @@ class Episodes:
     """
 
     def __init__(self, lanes: Sequence[EnvironmentSettings], threads: int | None = None) -> None:
-        """Allocate the arrays of all lanes, which at most `threads` threads advance; `reset` begins the episodes."""
+        """Allocate arrays of all lanes (environments), for at most `threads` threads; `reset` begins the episodes."""
         self.lanes, self.settings = tuple(lanes), lanes[0]
         self.parameters, settings = [of_lane.array for of_lane in lanes], self.settings
         self._sensors = settings.sensors(len(lanes))
@@ -88,28 +88,28 @@ class Episodes:
 
     @property
     def batch(self) -> Batch:
-        """Batch of all lanes' simulations; reading this property before the first reset raises ResetNeeded."""
+        """Batch of all environments' simulations; reading this property before the first reset raises ResetNeeded."""
         if self._batch is None:
             raise gymnasium.error.ResetNeeded("call reset() before using the simulation")
         return self._batch
 
     @property
     def times(self) -> NDArray[np.float64]:
-        """(lanes,) copy of the simulated time in each lane's episode [s]."""
+        """(lanes,) copy of the simulated time [s] in the episode of each lane (environment of the batch)."""
         return np.array(self.batch.states.clock["time"][:, 0])
 
     def check_lanes(self, lanes: NDArray[np.int64]) -> None:
-        """Raise ResetNeeded if `lanes` (k,) of the first reset leave out a lane."""
+        """Raise ResetNeeded if `lanes` (k,), the environments to reset, are not all environments at the first reset."""
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
 
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
-        """Begin episodes in `lanes` (k,) with folded arrays and sampled parameters; the first call must name all lanes.
+        """Begin episodes in `lanes` (k,), numbers of environments, with folded arrays and sampled parameters.
 
-        `generators` (k,) are the lanes' random generators. `changes` (k,) replace sampled parameters; callers check
-        them first with `EnvironmentSettings.check_changes`.
+        The first call must name all lanes. `generators` (k,) are their random generators. Each of `changes` (k,) maps
+        names of parameters to values that replace sampled values, checked by `EnvironmentSettings.check_changes`.
         """
         announce_compilation(self.settings.integrator.name)
         drawn = [
@@ -138,16 +138,16 @@ class Episodes:
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Advance lanes by one control period as `attempt` does, and raise the first failure.
+        """Advance environments `lanes` (k,) by a control period, as `attempt` does; raise the first simulation's error.
 
         Raises:
             SimulationError: if a lane's simulation cannot continue.
-            ValueError: as `checked_actions`.
+            ValueError: if the actions have a wrong shape, are no numbers, or are not finite.
         """
         raise_first(self.attempt(lanes, checked_actions(actions, self._periods.actions.shape)))
 
     def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
-        """Advance lanes by one control period with held actions, and return failures.
+        """Advance lanes (environments) by a control period with constant actions; return errors of failed simulations.
 
         Args:
             lanes: (k,) indices of the lanes that advance.
@@ -180,12 +180,12 @@ class Episodes:
         return failures
 
     def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
-        """Return each lane's present time and charged quantities, in the form that a user's reward function takes."""
+        """Return, by lane (environment), time [s] and charged quantities in the form that a user's reward takes."""
         times, told = self.times.tolist(), self.settings.terms.told
         return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 
     def save(self, lane: int) -> SavedEpisode:
-        """Return a copy of a lane's present episode; `restore` continues the copy in any lane with equal settings."""
+        """Return a copy of a lane's (environment's) episode; `restore` continues it in any lane with equal settings."""
         state, sensors = self.batch.simulations[lane].snapshot(), self._sensors.memory(lane)
         account, terms, drives = (
             values[lane].copy() for values in (self._periods.accounts, self.terms, self._periods.drives)
@@ -193,11 +193,13 @@ class Episodes:
         return SavedEpisode(self.parameters[lane], self.lanes[lane].conditions, state, terms, account, drives, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
-        """Continue a saved episode in a lane; equal actions give bitwise equal results. Frames lose the force history.
+        """Continue a saved episode in a lane (environment of the batch); equal actions give bitwise equal results.
+
+        Rendered frames then plot the peak forces only from the restored state on.
 
         Raises:
-            ValueError: if task, hardware, structure, observed entries or charged terms differ; the lane's present
-                episode then continues.
+            ValueError: if model, task, hardware, structure, observation or reward differ; the lane's present episode
+                then continues.
         """
         if not isinstance(saved, SavedEpisode):
             raise ValueError(f"{str(saved)[:100]} is no saved episode; give what save() returned")
@@ -217,17 +219,17 @@ class Episodes:
         return simulation
 
     def _recall(self, lane: int, saved: SavedEpisode) -> None:
-        """Copy a saved episode into a lane, except the state of its simulation."""
+        """Copy a saved episode into a lane (environment of the batch), except the state of its simulation."""
         self.parameters[lane], self.terminated[lane] = saved.parameters, False
         self._periods.accounts[lane], self._periods.drives[lane] = saved.account, saved.drives
         self.terms[lane], self.rewards[lane] = saved.terms, saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
 
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
-        """Return new episodes whose `count` lanes continue copies of a lane's present episode, which is left unchanged.
+        """Return new `Episodes` of `count` lanes (environments), which continue copies of a lane's present episode.
 
         Each copy has everything that `save` keeps, and samples the same future noise. Equal actions thus give bitwise
-        equal results. The copies run on at most `threads` threads.
+        equal results. The copies run on at most `threads` threads; the present episode stays unchanged.
         """
         if not is_whole_number(plain(count), 1):
             raise ValueError(f"lanes = {count!r} must be a whole number, at least 1")
@@ -240,12 +242,12 @@ class Episodes:
         return copies
 
     def info(self, lane: int) -> Info:
-        """Return the `info` of a lane's latest step: the simulated time [s] and the reward terms."""
+        """Return the `info` of a lane's (environment's) latest step: the simulated time [s] and the reward terms."""
         terms = dict(zip(self.settings.terms.names, self.terms[lane].tolist(), strict=True))
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> Info:
-        """Return the physical results of a lane's episode so far, by name with unit, for `info["deployment"]`.
+        """Return an environment's physical results so far, by names like "duration_s", for `info["deployment"]`.
 
         Warns:
             SimulationWarning: if the simulation may be inaccurate, see `Simulation.check`.
@@ -274,12 +276,12 @@ class Episodes:
         return {**figures, "v1_return": v1_return(figures)}
 
     def close(self) -> None:
-        """Stop the threads that advance the lanes."""
+        """Stop the threads that advance the environments of the batch."""
         if self._batch is not None:
             self._batch.close()
 
     def render(self, lane: int) -> NDArray[np.uint8] | None:
-        """Draw a lane's present state as a frame (540, 960, 3) uint8; without a render mode, warn and return None."""
+        """Draw an environment's state as a frame (540, 960, 3) uint8; without a render mode, warn and return None."""
         if not self.settings.render_mode:
             gymnasium.logger.warn(
                 'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
@@ -289,7 +291,7 @@ class Episodes:
 
 
 def raise_first(failures: Mapping[int, SimulationError]) -> None:
-    """Raise the first failure, if any, with a note that names its lane and the other failed lanes."""
+    """Raise the first failure, if any, with a note that names its lane (environment) and the other failed lanes."""
     if failures:
         lane, *others = failures
         failures[lane].add_note(f"in lane {lane} of the batch{f', and others in {others}' if others else ''}")
@@ -297,7 +299,7 @@ def raise_first(failures: Mapping[int, SimulationError]) -> None:
 
 
 def checked_actions(given: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return `given` as float64 actions of this shape: (motors,) for one environment, (lanes, motors) for a batch.
+    """Return `given` as float64 actions of this shape: (motors,), or (environments, motors) for a batch.
 
     Raises:
         ValueError: if the actions have another shape, are no numbers, or are not finite.

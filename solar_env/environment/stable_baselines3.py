@@ -15,7 +15,7 @@ from solar_env.environment.registration import DEPLOY
 
 
 class NativeVecEnv(VecEnv):
-    """A vector environment for Stable-Baselines3 that runs in one process, with one compiled call per thread.
+    """A vector environment for Stable-Baselines3 in one process; its threads advance the environments in compiled code.
 
     The end of an episode is reported as by `DummyVecEnv`: the episode's last info has `terminal_observation` and
     `TimeLimit.truncated`, and the returned observation is already the first of the next episode. With equal episodes,
@@ -26,7 +26,7 @@ class NativeVecEnv(VecEnv):
         env_id: Environment id.
         env_kwargs: Keywords of the vector environment, such as `num_threads`, and of the single environment.
         first_seed: Seed of lane 0 at every reset; lane i gets first_seed + i. Every reset then begins the same
-            episodes. None takes the algorithm's seeds.
+            episodes. With None, resets use the seeds that the algorithm has set.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes. Seeds and options that were set before apply once; a `first_seed` replaces the seeds."""
+        """Begin new episodes with seeds and options set since the last reset; a `first_seed` replaces the seeds."""
         if self._first_seed is not None:
             self.seed(self._first_seed)
         seeds: Any = self._seeds
@@ -63,7 +63,7 @@ class NativeVecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Advance all lanes by one control period; return (observations, rewards as float32, dones, infos)."""
+        """Advance all environments by one control period; return (observations, rewards as float32, dones, infos)."""
         observations, rewards, terminations, truncations, infos = self._with_lists.step(self._actions)
         dones = terminations | truncations
         told: list[Info] = list(infos)
@@ -84,11 +84,11 @@ class NativeVecEnv(VecEnv):
         return self.env.render()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Return an attribute of lanes (environments), such as `simulation`; the vector's own attributes work, too."""
+        """Return the attribute of each lane (environment) in `indices`; what a lane lacks is read from the vector."""
         return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: object, indices: VecEnvIndices = None) -> None:
-        """Raise an AttributeError that says what to do instead: attributes of lanes cannot be set."""
+        """Raise an AttributeError that says what to do instead: attributes of lanes (environments) cannot be set."""
         raise AttributeError(
             f"{attr_name!r} cannot be set in a lane; pass keywords when the environment is made, or reset options"
         )
@@ -96,10 +96,10 @@ class NativeVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: object, indices: VecEnvIndices = None, **kwargs: object
     ) -> list[Any]:
-        """Call a method of lanes (environments), such as `render`; the vector's own methods work, too."""
+        """Call the method of each lane (environment) in `indices`; a method that a lane lacks is the vector's."""
         lanes = [self.env.unwrapped.lane(lane) for lane in self._get_indices(indices)]
         return [getattr(lane, method_name)(*method_args, **kwargs) for lane in lanes]
 
     def env_is_wrapped(self, wrapper_class: type[gymnasium.Wrapper], indices: VecEnvIndices = None) -> list[bool]:
-        """Return False for every lane: lanes have no wrappers."""
+        """Return False for every lane (environment): lanes have no wrappers."""
         return [False for _ in self._get_indices(indices)]

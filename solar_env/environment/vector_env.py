@@ -56,7 +56,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         num_threads: int | None = None,
         **keywords: Any,
     ) -> None:
-        """Check the keywords and prepare all lanes; see the class, and `SolarArrayEnv` for refused values."""
+        """Check the keywords and prepare all environments; see the class, and `SolarArrayEnv` for refused values."""
         counts = {"num_envs": num_envs, "max_episode_steps": max_episode_steps, "num_threads": num_threads}
         for name, number in counts.items():
             if number is not None and not is_whole_number(plain(number), 1):
@@ -88,12 +88,12 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
     @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
-        """Random number generators of the lanes, in order."""
+        """Random number generators of the lanes (environments), in order."""
         return tuple(self._generators)
 
     @property
     def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
-        """Seeds of the lanes' random number generators, in order."""
+        """Seeds of the random number generators of the lanes (environments), in order."""
         return tuple(self._seeds)
 
     def reset(
@@ -102,7 +102,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         """Begin episodes with folded arrays and newly sampled parameters.
 
         Args:
-            seed: seed of lane 0, with seed + i for lane i; or a seed by lane; None continues the random sequences.
+            seed: seed of lane (environment) 0, seed + i for lane i; or a seed by lane; None continues random sequences.
             options: {"parameters": {name: value}} changes parameters for this episode in all lanes; a sequence of
                 mappings changes them by lane. {"reset_mask": (num_envs,) bool} resets only the lanes of the mask.
 
@@ -144,10 +144,10 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self._elapsed[lanes] = 0
 
     def step(self, actions: Actions) -> Results:
-        """Advance all lanes by one control period with held actions (num_envs, motors).
+        """Advance all lanes (environments) by one control period with constant actions (num_envs, motors).
 
-        Raises, Warns: as `SolarArrayEnv.step`, except SimulationError, which ends its lane's episode instead. An ended
-            episode raises ResetNeeded only if autoreset is disabled.
+        Raises, Warns: as `SolarArrayEnv.step`, but a SimulationError is not raised: it ends its lane's episode. Ended
+            episodes raise ResetNeeded only if autoreset is disabled.
         """
         given = checked_actions(actions, (self.num_envs, len(self.task.driven_joints)))
         episodes, lanes = self.episodes, self._all_lanes
@@ -177,7 +177,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             return episodes.observations.copy(), rewards, terminations, truncations, infos
 
     def _infos(self) -> Info:
-        """Return the `info` arrays of all lanes for the latest step, with the masks of `gymnasium.vector`."""
+        """Return the `info` arrays of all environments for the latest step, with the masks of `gymnasium.vector`."""
         terms = dict(zip(self.reward.names, self.episodes.terms.T.copy(), strict=True))
         told: Info = {"time_s": self.episodes.times, "reward_terms": terms}
         for values in (told["reward_terms"], told):
@@ -185,7 +185,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         return told
 
     def _end_episodes(self, lanes: NDArray[np.int64], last: Mapping[int, Info], infos: Info) -> None:
-        """Add the information of the last steps in `lanes` to `infos`; with SAME_STEP, begin new episodes there."""
+        """Add ended episodes' results `last`, by lane (environment), to `infos`; begin new ones in SAME_STEP mode."""
         episodes = self.episodes
         if self.autoreset_mode is not AutoresetMode.SAME_STEP:
             for lane, told in last.items():
@@ -203,16 +203,16 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         return Lane(self, range(self.num_envs)[lane])
 
     def render(self) -> tuple[NDArray[np.uint8] | None, ...]:  # type: ignore[override]
-        """Draw every lane's present state; each frame is (540, 960, 3) uint8."""
+        """Draw every environment's present state; each frame is (540, 960, 3) uint8."""
         return tuple(self.episodes.render(lane) for lane in range(self.num_envs))
 
     def close_extras(self, **kwargs: object) -> None:
-        """Stop the threads that advance the lanes."""
+        """Stop the threads that advance the environments."""
         self.episodes.close()
 
 
 def _settings_by_lane(keywords: Mapping[str, Any], lanes: int) -> list[EnvironmentSettings]:
-    """Return the settings of every lane; a ValueError is raised if structural parameters differ between lanes."""
+    """Return the settings of every lane (environment); structural parameters that differ raise a ValueError."""
     given = _by_lane("parameters", keywords.get("parameters"), lanes)
     found = {id(entry): EnvironmentSettings.of({**keywords, "parameters": entry}) for entry in given}
     settings = [found[id(entry)] for entry in given]
@@ -223,7 +223,7 @@ def _settings_by_lane(keywords: Mapping[str, Any], lanes: int) -> list[Environme
 
 
 def _by_lane(name: str, given: object, lanes: int) -> list[Any]:
-    """Return a list with one entry per lane: the entries of a given sequence, or one given value repeated."""
+    """Return a list with an entry per lane (environment): entries of a given sequence, or a given value repeated."""
     entries = list(given) if isinstance(given, (Sequence, np.ndarray)) else [given] * lanes
     if len(entries) != lanes:
         raise ValueError(f"{name} has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
@@ -250,22 +250,22 @@ class Lane:
 
     @property
     def simulation(self) -> Simulation:
-        """Simulation of the lane's present episode, as in a single environment."""
+        """Simulation of this lane's (environment's) present episode."""
         return self._env.episodes.batch.simulations[self._index]
 
     @property
     def episode_parameters(self) -> ArrayParameters:
-        """Array parameters of the lane's present episode, after random sampling and the changes by reset options."""
+        """Array parameters of this environment's episode, after random sampling and the changes by reset options."""
         return self._env.episodes.parameters[self._index]
 
     def save_episode(self) -> SavedEpisode:
-        """Return a copy of the present episode, for `restore_episode` of any lane in a vector with equal settings."""
+        """Return a copy of this lane's (environment's) episode, for `restore_episode` of a lane with equal settings."""
         if self._env.episodes.terminated[self._index]:
             raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
         return self._env.episodes.save(self._index)
 
     def restore_episode(self, saved: SavedEpisode) -> NDArray[np.float32]:
-        """Continue a saved episode in this lane, see `Episodes.restore`; return its last observation (entries,)."""
+        """Continue a saved episode in this lane (environment); return the last observation (entries,) before saving."""
         env, lane = self._env, self._index
         env.episodes.restore(lane, saved)
         env._ended[lane] = False
@@ -273,5 +273,5 @@ class Lane:
         return env.episodes.observations[lane].copy()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Draw the lane's present state as a frame (540, 960, 3) uint8."""
+        """Draw this environment's present state as a frame (540, 960, 3) uint8."""
         return self._env.episodes.render(self._index)

@@ -1,7 +1,7 @@
-"""Land an array by a controller of your own: cruise, then slow down as the root hinge approaches its lock angle.
+"""Land an array by a controller of your own: open at a constant rate, then slow down near the root hinge's lock angle.
 
-A rate proportional to the remaining distance, d' = -d / T, lets the distance decay exponentially. The action is the
-logarithm of the rate. The drive follows with a lag, so that the controller looks ahead by 2.4 s.
+A rate proportional to the remaining angle, d' = -d / T, lets the angle decay exponentially. The action is the scaled
+logarithm of the wanted rate. The drive follows with a lag, so the controller uses the angle expected 2.4 s later.
 """
 
 import sys

@@ -15,7 +15,7 @@ import solar_env  # noqa: F401 (registers the environments)
 
 
 def opening_less_wear(before: Mapping[str, float], after: Mapping[str, float]) -> float:
-    """Return the opening gained in a step, in lock angles, minus the sliding work done in it, in units of 5 mJ."""
+    """Return the opening gained in a step, as a fraction of the lock angle, minus the sliding work in units of 5 mJ."""
     worn, opened = (after[name] - before[name] for name in ("wear", "opening"))
     return opened - worn / 5e-3
 

@@ -161,7 +161,7 @@ class Renderer:
         return np.stack([left + x * (right - left), bottom - y * (bottom - top)], axis=-1)
 
     def _label(self, canvas: Canvas, title: str) -> None:
-        """Write titles and scales of the frame, and draw the grid of the force chart."""
+        """Write the force chart's `title`, the bearings' names and the scales, and draw the chart's grid."""
         canvas.write(28, 359, title)
         canvas.write(644, 37, "Bearings, clearance enlarged")
         for joint in range(self._shown):
@@ -277,7 +277,10 @@ def _tick_spacing(duration: float) -> float:
 
 
 def _crosswise(segment: Array) -> Array:
-    """Return unit vectors (4, 2) in pixel axes, y down, along and across a polyline's first segment (k, 2), y up."""
+    """Return unit vectors (4, 2) along a segment, across it, and opposite to these two, in pixel axes with y down.
+
+    The segment leads from the first to the second of the points (k, 2), whose y axis points up.
+    """
     dx, dy = segment[1] - segment[0]
     along, across = np.array([(dx, -dy), (dy, dx)]) / math.hypot(dx, dy)
     return np.array([along, across, -along, -across])

@@ -19,9 +19,9 @@ def minimise(
 ) -> list[np.ndarray]:
     """Minimise a noisy objective over the unit cube by CMA-ES (N. Hansen, 2016, arXiv:1604.00772).
 
-    `objective` maps a generation of points to costs. `points` is the budget, spent in whole generations;
+    `objective` maps a generation of points to costs, at most `points` points in all. `progress` shows a progress bar;
     `spread` is the first generation's standard deviation in each direction. Return the start, the best point seen, and
-    the final mean of the search; a budget below one generation raises a ValueError.
+    the final mean of the search. If `points` is less than one generation, a ValueError is raised.
     """
     # By default pycma draws from NumPy's global generator, which a training run during the search reseeds.
     normal = np.random.RandomState(seed + 1).randn

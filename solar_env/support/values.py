@@ -85,7 +85,7 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
 
 
 def changed(kind: str, values: Values, changes: Mapping[str, object]) -> Values:
-    """Return a copy of a dataclass with some fields changed; the dataclass's checks refuse bad values.
+    """Return a copy of the dataclass `values` with the fields in `changes` changed; its own checks refuse bad values.
 
     Raises:
         ValueError: if the changes are no mapping, a name of this `kind` is unknown, or a value is refused.

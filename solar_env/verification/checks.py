@@ -25,7 +25,7 @@ class Check:
         tolerance: greatest error that passes; absolute in the quantity's unit, or relative to `expected`.
         source: where `expected` comes from.
         relative: whether error and tolerance are relative.
-        case: name of the case that yields the check, which `suite.run` sets.
+        case: name of the verification case that yields the check; `suite.run` sets it.
     """
 
     quantity: str

@@ -31,9 +31,10 @@ FILE = "attack.json"
 
 
 def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: Task) -> np.ndarray:
-    """Return the actions (n,) of profiles (n, NUMBERS) at times (n,) [s], one for each environment of a batch.
+    """Return the actions (n,) of action profiles (n, NUMBERS) at times (n,) [s], one for each environment of a batch.
 
-    `latched` (n,) is true where a joint has latched.
+    A profile holds actions at equal intervals, and amplitude, half-period and phase of a chatter, once for the time
+    before the first latch and once for the time after. `latched` (n,) is true where a joint has latched.
     """
     knots = np.linspace(0.0, task.deadline, KNOTS)
     steady = np.array([np.interp(t, knots, 2.0 * of[:KNOTS] - 1.0) for t, of in zip(times, profiles, strict=True)])
@@ -45,12 +46,12 @@ def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: 
 
 
 def passive_profile() -> np.ndarray:
-    """Return the profile (NUMBERS,) of zero actions without chatter, with half-periods of one control period."""
+    """Return the action profile (NUMBERS,) of zero actions, in which the superposed chatter has zero amplitude."""
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 
 def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[Info]:
-    """Run an episode of each profile, one per environment; return, for each, "return" with `info["deployment"]`."""
+    """Run one episode per profile and seed; return, for each, "return" and the entries of `info["deployment"]`."""
     env, idle = env.unwrapped, env.num_envs - len(profiles)
     given = np.stack([*profiles, *[passive_profile()] * idle])
     env.reset(seed=[*seeds, *[0] * idle])

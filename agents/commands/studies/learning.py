@@ -1,4 +1,4 @@
-"""`solar-env study learning`: learning curves of stock algorithms and a search over weights, beside torque laws."""
+"""`solar-env study learning`: learning curves of Stable-Baselines3 and of CMA-ES over weights, beside torque laws."""
 
 import math
 import time
@@ -43,9 +43,9 @@ PACE = "seconds_per_step.json"  # file of a run folder, written when the run has
 
 
 def run(args: Args) -> int:
-    """Train agents over five seeds and draw all learning curves; finished runs are not trained again.
+    """Train agents with five seeds each and draw all learning curves; finished runs are not trained again.
 
-    A curve stays as in the table if the folder lacks its runs, for example because others trained them.
+    A curve whose runs are not in the folder, for example because others trained them, keeps its values in the table.
     """
     cases = args.parts(list(CASES))
     out, figures = args.folders("learning", figures=FIGURES)
@@ -85,12 +85,12 @@ def _train_missing(args: Args, cases: list[str], out: Path) -> None:
 
 
 def _folder(out: Path, algo: str, scene: str, seed: int) -> Path:
-    """Return the run folder of an algorithm, a scene (a key of `SCENES`) and a seed."""
+    """Return the folder of a training run, given algorithm, environment (`scene`, a key of `SCENES`) and seed."""
     return out / f"{algo}-{scene}-{seed}"
 
 
 def _train(run: tuple[Path, runs.Configuration]) -> None:
-    """Train the missing steps of a run, and record the core seconds per step."""
+    """Train the missing steps of a run (folder and configuration), and record its CPU time per step in the folder."""
     folder, config = run
     done, began = _steps(folder), time.process_time()
     train(config, folder, config.timesteps, progress=False)
@@ -103,7 +103,7 @@ def _steps(folder: Path) -> int:
 
 
 def _rows(args: Args, out: Path) -> Iterator[Row]:
-    """Yield a table row for each validation of each finished run, and a row without steps for each torque law."""
+    """Yield table rows: one for each validation of each finished run, and one without steps for each torque law."""
     for scene, (env_id, keywords) in SCENES.items():
         folders = [(algo, seed, _folder(out, algo, scene, seed)) for algo in LENGTHS for seed in SEEDS]
         trained = [(algo, seed, folder) for algo, seed, folder in folders if (folder / PACE).is_file()]
@@ -129,7 +129,7 @@ def _row(
 
 
 def panels(table: Table) -> dict[str, Panel]:
-    """Convert a table to a `Panel` for each scene: learning curves by algorithm and seed, returns by torque law."""
+    """Convert a table to a `Panel` for each environment (scene), with learning curves and the torque laws' returns."""
     found = {}
     for scene in map(str, table.values("scene")):
         of_scene = table.where(scene=scene)

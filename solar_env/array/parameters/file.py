@@ -34,7 +34,7 @@ _WIDTH = 100  # characters per line of an explanation
 
 
 class ParameterFile(NamedTuple):
-    """Content of a parameter file: the array's parameters, and ranges from which every run samples some of them anew.
+    """Content of a parameter file: the array's parameters, and the ranges of parameters that every run samples anew.
 
     `gymnasium.make("solar_env/Deploy-v2", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
     from a file.
@@ -45,7 +45,7 @@ class ParameterFile(NamedTuple):
 
 
 def named_array(name: str) -> ParameterFile:
-    """Return the array `name`, a preset or a packaged file listed in `WINGS`; an unknown name raises a ValueError."""
+    """Return parameters and ranges of a preset or a packaged file in `WINGS`; an unknown name raises a ValueError."""
     check_name("array", name, [*PRESETS, *WINGS])
     if name in WINGS:
         return read_parameters(WINGS[name])

@@ -209,7 +209,7 @@ class ArrayParameters:
         c.check_parameters(self)
 
     def entries(self, name: str) -> tuple[Any, ...]:
-        """Return the values given for a parameter as a tuple: one value, or one value per joint from the root on."""
+        """Return a parameter's given values by joint as a tuple; the last value also holds for all further joints."""
         value = getattr(self, name)
         entries = value if isinstance(value, tuple) else (value,)
         return entries[: self.panel_count] if entries == _ROWS[name][0] else entries
@@ -317,7 +317,7 @@ class ArrayParameters:
         return tables if alone else entry_of(tables, joint, self.panel_count)
 
     def stop(self, joint: int) -> Stop:
-        """Return the stop law of `joint`, counted from 0, which its latch and its stow stop share."""
+        """Return the torque law (`Stop`) that latch and stow stop of `joint`, counted from 0, have in common."""
         names = ("gap", "stiffness", "exponent", "ramp_depth", "damping")
         return Stop(*(self.by_joint(f"latch_{name}", joint) for name in names))
 

@@ -66,7 +66,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
 
 
 def _spread(told: str, given: Any, array: ArrayParameters | None) -> Bound:
-    """Check a bound; return a number, or one number per joint if `array` is given. Error messages begin with `told`."""
+    """Check the bound `given` of a range; return a number, or one per joint of `array`. Errors begin with `told`."""
     value = plain(given)
     entries = value if isinstance(value, tuple) else (value,)
     if not all(is_number(entry) and math.isfinite(entry) for entry in entries):

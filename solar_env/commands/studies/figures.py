@@ -1,4 +1,4 @@
-"""`solar-env study figures`: pictures of a deployment, of failing fixed step sizes, and of a design, for the pages."""
+"""`solar-env study figures`: pictures for the pages: a deployment, fixed step sizes that fail, and a design."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -39,7 +39,7 @@ def draw_deployment(path: Path) -> None:
 
 
 def draw_stability(path: Path) -> None:
-    """Draw, to the file `path`, a map of impacts under generalized-alpha with the fixed step sizes that fail."""
+    """Measure at which fixed step sizes generalized-alpha fails on impacts, and draw the map to the file `path`."""
     from solar_env.studies.stability.stability_maps import measure_map
     from solar_env.studies.stability.stability_plot import draw_map
 

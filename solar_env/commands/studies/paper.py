@@ -1,4 +1,4 @@
-"""`solar-env study paper`: the paper's figures drawn again, and the paper's claims judged one by one."""
+"""`solar-env study paper`: figures of the paper by Li, Wang and Huang (2019) drawn again, and its claims judged."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -18,9 +18,9 @@ SECTION = Section(FOLDER / "README.md", "claims", "solar-env study paper --readm
 def run(args: Args) -> int:
     """Draw the figures of the paper, and judge its claims; --only: numbers of figures, without claims, or a set's name.
 
-    "--only 3" draws figure 3 and judges no claims. With the name of a set, the claims are judged for another set of
-    values of the parameters that the paper leaves open. With --readme pictures and claims go into the page, tables
-    into ./paper.
+    The paper is by Li, Wang and Huang (2019). "--only 3" draws figure 3 and judges no claims. A set is a named choice
+    of the parameter values that the paper leaves open; with its name, the claims are judged for these values. With
+    --readme pictures and claims go into the page, tables into ./paper.
     """
     from solar_env.studies.paper.sets import found_sets
 
@@ -61,7 +61,7 @@ def run(args: Args) -> int:
 
 
 def _simulate(args: Args, runs: Iterable[Any]) -> dict[Any, Any]:
-    """Simulate the runs of the paper's cases under a progress bar, and return the simulated motion by run."""
+    """Simulate `runs`, a `CaseRun` for each deployment, under a progress bar; return each run's trajectory."""
     from solar_env.studies.paper.cases import simulate_run
 
     each = dict.fromkeys(runs)
@@ -70,7 +70,7 @@ def _simulate(args: Args, runs: Iterable[Any]) -> dict[Any, Any]:
 
 
 def _judge_set(args: Args, name: str, changes: Any) -> int:
-    """Judge the claims for a named set, `changes`, of values that the paper leaves open; write and print the result."""
+    """Judge the paper's claims with the parameter values `changes` of the set `name`; write and print the result."""
     from solar_env.studies.common.tables import provenance, write_table
     from solar_env.studies.paper.claims import CLAIMS
     from solar_env.studies.paper.survey import as_markdown, as_rows, judge, planned_runs, summary

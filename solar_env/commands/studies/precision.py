@@ -1,4 +1,4 @@
-"""`solar-env study precision`: tables of measured speed and accuracy, and figures drawn from the tables."""
+"""`solar-env study precision`: measured speed and accuracy of integrators and panels, as tables and figures."""
 
 from solar_env.commands.study import Args
 from solar_env.support.readme import STUDIES, Section
@@ -15,7 +15,7 @@ SECTIONS = {
 def run(args: Args) -> int:
     """Measure speed against accuracy of all methods, of the panels, and beside the peers; runs are timed one by one.
 
-    The parts compare integrators, numbers of modes or elements of a panel, and other programs (peers). Return 0.
+    The parts compare integrators (methods), numbers of modes or elements of a panel, and other programs (peers).
     """
     from solar_env.studies.precision import charts
 

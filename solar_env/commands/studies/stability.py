@@ -16,7 +16,7 @@ _COLUMNS = 100
 def run(args: Args) -> int:
     """Map failures of methods, and check that the library reports them; --only parameters: ranges of all parameters.
 
-    A map shows at which settings an integrator fails. Return 1 if a failure went unreported, otherwise 0.
+    A map shows at which settings an integrator (method) fails. Return 1 if one fails without error or warning, else 0.
     """
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
@@ -35,7 +35,7 @@ def run(args: Args) -> int:
 
 
 def _walk_parameters(args: Args, folder: Path) -> int:
-    """Measure for which values of each parameter runs succeed; return 1 if a failure went unreported, otherwise 0."""
+    """Simulate with many values of each parameter; return 1 if a run failed without error or warning, otherwise 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability import parameter_ranges as ranges
 
@@ -51,7 +51,7 @@ def _walk_parameters(args: Args, folder: Path) -> int:
 
 
 def _report(name: str, path: Path) -> int:
-    """Draw the stability map of the table at `path`, print counts and advice; return 1 if a failure went unreported."""
+    """Draw the map from the table at `path`; return 1 if a run failed without error or warning, otherwise 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map

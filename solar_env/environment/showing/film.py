@@ -47,7 +47,7 @@ class Film:
         return self._renderer.draw(self._scene(simulation, parameters))
 
     def _scene(self, simulation: Simulation, parameters: ArrayParameters) -> Scene:
-        """Return the content of a frame: the simulation's present state, and the history of peak forces."""
+        """Return the `Scene` that a frame shows: the simulation's present state, and the peak forces so far."""
         model, state, loads = simulation.model, simulation.state, simulation.joint_loads()
         bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
         axes = [centreline(model, state.q, body) for body in bodies]

@@ -1,9 +1,9 @@
 """The control task: an agent's observations, actions and rewards, and the end of an episode.
 
-`task` holds limits, times and driven joints, and the task's versions with their prices. `observations`, `features` and
-`reward` are tables of quantities to observe and to charge. `sensors` adds the hardware's imperfections to observations.
-`drive` turns actions into motor torques. `control` finds the last latching and a missed deadline. `periods` runs a
-control period.
+`task` holds limits, times and driven joints, and the versions of the task with their prices: what a reward term charges
+for a quantity. `observations`, `features` and `reward` are tables of quantities to observe and to charge. `sensors`
+adds the hardware's imperfections to observations. `drive` turns actions into motor torques. `control` finds the last
+latching and a missed deadline. `periods` advances environments by a control period.
 
 * A new observable needs a code, a branch of `observations.reading` and an entry of `observations.OBSERVABLES`, which
   tests and the environment's documentation read. A new kind of sensor is a field of `hardware.Hardware`.

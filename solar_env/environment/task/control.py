@@ -31,5 +31,5 @@ def end_of_episode(state, task):
 
 @kernel
 def missed_deadline(state, task):
-    """Return whether a joint is still open at `task.last_chance`, the latest time for latching, or after it."""
+    """Return whether a joint is open although the time has reached `task.last_chance`, the time limit for latching."""
     return not all_latched(state.joints) and state.clock[0].time >= task.last_chance

@@ -39,7 +39,7 @@ motor_type = np.dtype((np.record, np.dtype([("joint", "i8"), *((name, "f8") for 
 
 
 class TaskNumbers(NamedTuple):
-    """A `Task` for kernels: times [s], the code of the action, and a record of `motor_type` for each motor.
+    """The numbers of a `Task` for compiled kernels: times [s], the action's code, and a `motor_type` record per motor.
 
     For a batch of environments (lanes), `sample_period` and `motors` have a leading axis of lanes, which may differ.
     """
@@ -57,7 +57,7 @@ class TaskNumbers(NamedTuple):
 def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
     """Compute the torque of springs and harness on a folded joint [N m], and the torque's decrease per angle [N m/rad].
 
-    Torques of the wing's other joints also count: cable loops keep the joint angles in the ratio of the lock angles.
+    Torques of the wing's other joints are included, as if cable loops kept all angles in the ratio of the lock angles.
     """
     wing = [row for row in array.joints if row.side == array.joints[joint].side]
     ratios = np.array([row.lock_angle for row in wing]) / array.joints[joint].lock_angle
@@ -74,9 +74,9 @@ def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
 
 
 def refinement(hardware: Hardware, array: ArrayParameters, joints: Sequence[int], period: float) -> int:
-    """Return the least number of parts (at most 100) of a sample `period` [s] with which no driven panel shakes.
+    """Return into how many parts, at most 100, to divide the loop's sample `period` [s] so that no driven panel shakes.
 
-    In one part the rate loop may change the rate of the lightest panel by at most `GENTLE` times the rate error.
+    In each part the loop changes the rate of the lightest driven panel by at most `GENTLE` times the rate error.
     """
     panels = [array.panel(joint) for joint in joints]
     lightest = min(panel.inertia + panel.mass * panel.centroid**2 for panel in panels)
@@ -105,7 +105,7 @@ def motor_row(
 
 
 def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> TaskNumbers:
-    """Return a task's `TaskNumbers` with this hardware; `array` gives the spring load that drives compensate."""
+    """Return the `TaskNumbers` of a task for drives with this hardware on the joints of this array."""
     period = task.control_period / task.samples(hardware)
     if task.has_loop:
         period /= refinement(hardware, array, task.driven_joints, period)
@@ -140,7 +140,7 @@ def numbers_of(lanes, lane):
 
 @kernel
 def asked_rate(motor, memory, action):
-    """Advance the lagged logarithm in `memory` by one sample for `action`; return the requested joint rate [rad/s]."""
+    """Return the joint rate [rad/s] that the lagged `action` requests; advance the lag in `memory` by one sample."""
     memory[LOG_RATIO] += motor.lag_response * (REACH * action - memory[LOG_RATIO])
     u = memory[LOG_RATIO]
     return motor.cruise * (math.exp(u) if u < 0.0 else 1.0 + HASTE * u)
@@ -178,7 +178,7 @@ def asked_torque(model, state, task, motor, memory, action, rate_error, settling
 
 @kernel
 def set_torque(state, motor, torque):
-    """Set the motor's `motor_torque` in `state.joints` to the requested `torque` [N m] after lag and rate limit."""
+    """Move `motor_torque` in `state.joints` towards the requested `torque` [N m], by the motor's lag and rate limit."""
     driven = state.joints[motor.joint]
     if motor.response < 1.0:
         torque = driven.motor_torque + motor.response * (torque - driven.motor_torque)

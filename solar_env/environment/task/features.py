@@ -15,7 +15,7 @@ class Feature(NamedTuple):
     Attributes:
         low, high: bounds of the clipped feature, in its unit.
         source: name of the observable whose measured value is the argument of `function`.
-        function: maps measured values (lanes,) and the joint's lock angle [rad] to feature values (lanes,).
+        function: maps measured values (environments,) and the joint's lock angle [rad] to feature values of this shape.
     """
 
     name: str

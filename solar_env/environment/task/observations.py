@@ -114,9 +114,9 @@ class Entry(NamedTuple):
 def observation_entries(joints: int, observation: str | Names, driven: Sequence[int] = (0,)) -> tuple[Entry, ...]:
     """Return the entries of the observation vector in order, for a number of joints and the indices of `driven` joints.
 
-    `observation` is a key of `OBSERVATIONS`, or a list of names from `OBSERVABLES` and `FEATURES` and of such keys,
-    which stand for their lists. "theta_2_ago" is the value of theta two control periods ago. The names in a tuple
-    alternate joint by joint.
+    `observation` is a key of `OBSERVATIONS`, or a list of names from `OBSERVABLES` and `FEATURES`; a key in the list
+    stands for its own list. "theta_2_ago" is the value of theta two control periods ago. A tuple of names in the list
+    gives the entries of all its names for the first joint, then for the second joint, and so on.
 
     Raises:
         ValueError: for an unknown name, a name that is listed twice, or an empty list.
@@ -172,7 +172,7 @@ def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
 
 @kernel
 def reading(code, j, model, state, task, drives):
-    """Return the exact value of observable `code` at joint or motor `j`; `drives` holds the memories of all drives."""
+    """Return the exact value of the observable with this code at joint or motor `j`; `drives`: states of all drives."""
     joint, joint_state, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
     if code == THETA:
         return view.angle / joint.lock_angle

@@ -42,9 +42,9 @@ class Periods(NamedTuple):
 
 
 def error_count(task: TaskNumbers) -> int:
-    """Return the greatest number of drive samples in an environment step; settling drives add the settling window.
+    """Return the greatest number of drive samples, and so of errors in measured rates, in an environment step.
 
-    The first and the last sample of the settling window may be partial.
+    If drives settle the array, a step may include the settling window, whose first and last sample may be partial.
     """
     period = float(task.sample_period)
     return round(task.control_period / period) + (
@@ -53,7 +53,7 @@ def error_count(task: TaskNumbers) -> int:
 
 
 def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArray[np.float32]) -> Periods:
-    """Allocate `Periods`; `errors`: number of rate errors per step; `exact` (lanes, measured): exact observations."""
+    """Allocate `Periods` for `lanes` environments, `errors` drive samples per step and the observations `exact`."""
     return Periods(
         np.zeros((lanes, motors)),
         np.zeros((lanes, errors, motors)),
@@ -87,7 +87,7 @@ def begin_period(state, task, periods, lane):
 
 @kernel
 def begin_sample(model, state, task, periods, lane):
-    """Set the motor torques for the drives' next sample, and its end time in `periods.sample_ends` for the lane."""
+    """Set an environment's motor torques for the next drive sample; write the sample's end to `periods.sample_ends`."""
     settling, sample = task.drive_settles and all_latched(state.joints), periods.samples[lane]
     for k in range(task.motors.size):
         motor, action = task.motors[k], min(max(periods.actions[lane, k], -1.0), 1.0)
@@ -100,7 +100,7 @@ def begin_sample(model, state, task, periods, lane):
 
 @kernel
 def end_period(model, state, task, channels, prices, periods, lane):
-    """Write rewards and exact observations of a completed control period, and `terminated`, to `periods`.
+    """Write an environment's reward, exact observations and `terminated` to `periods` after a control period.
 
     An episode is over a settling window after the last latching, or at `task.last_chance` if a joint is still open.
     """
@@ -114,7 +114,7 @@ def hold_lanes(
     models, states, settings, recorder, arrays, queue, counter, steps_left, statuses,
     address, tasks, channels, prices, periods,
 ):  # fmt: skip
-    """Advance lanes from a queue by one control period with held actions; several threads share the queue.
+    """Advance lanes (environments) from a queue, which threads share, by a control period with constant actions.
 
     Args:
         models, states, settings, recorder, arrays, queue, counter, steps_left, statuses: as in `advance_lanes`.
@@ -153,7 +153,7 @@ def hold_lanes(
 
 @kernel(inlined=False)
 def observe_lanes(models, states, tasks, channels, drives, lanes, observations):
-    """Write exact observations of the present states of `lanes` (k,) to `observations` (lanes, measured) float32."""
+    """Write exact observations of environments `lanes` (k,) to `observations` (all environments, measured) float32."""
     for lane in lanes:
         model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
         observe(model, state, numbers_of(tasks, lane), channels, drives[lane], observations[lane])

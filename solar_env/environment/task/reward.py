@@ -63,7 +63,7 @@ class Price:
 
     @property
     def greatest(self) -> float:
-        """Greatest cost at this price, reached at x = bound."""
+        """Greatest possible cost at this price, reached where the quantity divided by `scale` is `bound`."""
         return self.weight * (self.bound if self.form == "linear" else math.log10(1.0 + self.bound))
 
 
@@ -73,7 +73,7 @@ class RewardTerm(NamedTuple):
     Attributes:
         figure, phase, unit: charged quantity, part of the episode in which it is charged, and its unit, as texts.
         code: number by which the kernel `reading` computes the quantity.
-        growth: how the charged amount follows from values at the ends of steps: LATEST, GREATEST or CHANGES.
+        growth: charged amount: LATEST value, GREATEST magnitude, or summed magnitudes of CHANGES, at ends of steps.
         scale: see `Price`; the weight is 0 unless the task's version or the keyword `reward` gives a weight.
         sign: 1 for a quantity that costs, -1 for a quantity that earns.
     """
@@ -127,18 +127,18 @@ class Reward:
     """The reward of an environment: a task version's prices with changes, or a user's function.
 
     Args:
-        changes: mapping of terms' names to a weight, to changes of the `Price` or to a `Price`; or a user's function.
+        changes: for each changed term by name, a weight, a `Price`, or changed fields of `Price`; or a user's function.
         version: version of the task.
 
     Attributes:
         prices: price of every term, by name of the term.
         function: the user's function, which gets the quantities of all terms; or None.
         names: names of the charged terms, whose weight is not zero, in the order of `REWARD_TERMS`.
-        rows: records of `price_type` for kernels, with code, growth and price of every recorded quantity.
+        rows: `price_type` record of each term: code, growth and sign from `RewardTerm`, the rest from `Price`.
 
     Raises:
-        ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
-            terms, without time, lateness and opening, can cost together.
+        ValueError: for an unknown name or a refused value, or if the price of a missed deadline does not exceed the
+            greatest possible sum of the other terms (time, lateness and opening not counted).
     """
 
     def __init__(
@@ -177,12 +177,12 @@ class Reward:
         return np.array(rows, dtype=price_type)
 
     def told(self, time: float, account: NDArray[np.float64]) -> Told:
-        """Return time [s] and charged quantities by name, for a user's reward function; `account` as in `charge`."""
+        """Return time [s] and quantities by term, for a user's reward function; `account` is described in `charge`."""
         figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
         return {"time_s": time, **figures}
 
     def own(self, before: Told, after: Told) -> float:
-        """Return the user's reward of a step from `before` to `after`; a non-finite result raises a ValueError."""
+        """Return the user's reward for the quantities `before` and `after` a step; ValueError if it is not finite."""
         assert self.function is not None
         value: Any = plain(self.function(before, after))
         if not is_number(value) or not math.isfinite(value):
@@ -196,9 +196,9 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 
 
 def v1_return(figures: Mapping[str, Any]) -> float:
-    """Compute the return of a deployment at the prices of version 1, from its results `info["deployment"]`.
+    """Compute the return of a deployment by the rewards of task version 1, from its results `info["deployment"]`.
 
-    All pages quote this return. A late deployment pays for the missed deadline, but not for the distance to the lock.
+    All documentation pages quote this return. A missed deadline is charged as 1, without the mean distance to the lock.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
@@ -208,7 +208,7 @@ def v1_return(figures: Mapping[str, Any]) -> float:
 
 @kernel
 def distance_to_lock(model, state):
-    """Return the joints' mean distance to their locks, in lock angles; a joint beyond its lock counts as 0."""
+    """Return the mean over all joints of (distance to the lock) / (lock angle), counted as 0 beyond the lock."""
     total = 0.0
     for j in range(state.joints.size):
         total += max(1.0 - view_joint_of(model)(model, state, j).angle / model.joints[j].lock_angle, 0.0)
@@ -249,7 +249,7 @@ def reading(code, model, state, task):
 
 @kernel
 def cost(price, figure):
-    """Return the cost of an amount `figure` of a quantity at a price, before multiplication by the weight."""
+    """Return what the amount `figure` of a quantity costs by the record `price`, without the factor `price.weight`."""
     x = min(figure / price.scale, price.bound)
     return x if price.form == LINEAR else math.log10(1.0 + x)
 
@@ -258,7 +258,7 @@ def cost(price, figure):
 def charge(model, state, task, prices, account, terms):
     """Write the reward terms of a control period to `terms` (terms,), update the account, and return the terms' sum.
 
-    `account` (terms, 2) holds the quantities charged so far and their latest values; an episode begins with zeros.
+    `account` (terms, 2) holds each quantity's amount charged so far and its latest value; an episode begins with zeros.
     """
     total = 0.0
     for k in range(prices.size):

@@ -26,7 +26,7 @@ class Sensors:
     """Sensors of all lanes (environments of a batch), which turn exact values into observations.
 
     Attributes:
-        channels: (measured,) records of all quantities that the observation's entries show, now or later.
+        channels: (measured,) records of all quantities that entries of the observation show, at once or with a delay.
         exact: (lanes, measured) float32, values of ideal sensors; callers write these before every measurement.
         observed: (lanes, entries) float32, observations for the controller.
     """
@@ -60,9 +60,9 @@ class Sensors:
         self._rate_noise = hardware.rate_noise
 
     def draw_rate_errors(self, lanes: NDArray[np.int64], counts: Sequence[int], errors: NDArray[np.float64]) -> None:
-        """Sample the errors [rad/s] of the rates that rate loops measure in `lanes` (k,), and write them to `errors`.
+        """Write to `errors` sampled errors [rad/s] of the rates that rate loops measure in environments `lanes` (k,).
 
-        `counts` (all lanes,) are numbers of samples per step; `errors` is (all lanes, greatest count, motors).
+        `counts` (all environments,) are samples per step; `errors` is (all environments, greatest count, motors).
         """
         if self._rate_noise > 0.0:
             for lane in lanes:
@@ -70,7 +70,7 @@ class Sensors:
                 mine[:] = self._rate_noise * self._generators[lane].standard_normal(mine.shape)
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
-        """Begin episodes in `lanes`: measure `exact` into `observed` and the past; `generators` (k,) make the noise."""
+        """Begin episodes in environments `lanes` (k,) with noise from `generators`: set `observed` and past values."""
         for lane, generator in zip(lanes, generators, strict=True):
             self._generators[lane] = generator
         if self._transparent:
@@ -81,7 +81,7 @@ class Sensors:
         self._show(lanes)
 
     def measure(self, lanes: NDArray[np.int64]) -> None:
-        """Compute `observed` of `lanes` (k,) from `exact`, with noise, encoder steps and delays."""
+        """Compute `observed` of environments `lanes` (k,) from `exact`, with noise, encoder steps and delays."""
         if self._transparent:
             return
         measured = self._measured(lanes)
@@ -92,7 +92,7 @@ class Sensors:
         self._show(lanes)
 
     def _show(self, lanes: NDArray[np.int64]) -> None:
-        """Write present and past measured values of `lanes`, and features computed from these, to `observed`."""
+        """Write present and past measured values of environments `lanes`, and features of these, to `observed`."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
         for k, feature, lock_angle in self._features:
@@ -101,12 +101,12 @@ class Sensors:
         self.observed[lanes] = observed
 
     def memory(self, lane: int) -> Memory:
-        """Return a copy of the sensors' state in a lane, with exact and observed values."""
+        """Return a copy of the sensors' state in a lane (environment), with exact and observed values."""
         exact, observed, pipeline, past = (values[lane].copy() for values in self._arrays)
         return Memory(exact, observed, pipeline, past, deepcopy(self._generators[lane]))
 
     def recall(self, lane: int, memory: Memory) -> None:
-        """Restore the sensors' state in a lane from a result of `memory`, which stays unchanged."""
+        """Restore the sensors' state in a lane (environment) from a result of `memory`, which stays unchanged."""
         for mine, theirs in zip(self._arrays, memory[:4], strict=True):
             mine[lane] = theirs
         if self._generators[lane] is None:
@@ -115,7 +115,7 @@ class Sensors:
             self._generators[lane].bit_generator.state = memory.generator.bit_generator.state
 
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Return clipped measurements (k, measured) of some lanes (k,): exact values with noise and encoder steps."""
+        """Return clipped measurements (k, measured) of environments `lanes` (k,), with noise and encoder steps."""
         measured = self.exact[lanes]
         if self._noise.any():
             for row, lane in enumerate(lanes):

@@ -69,7 +69,7 @@ class Task:
         return ACTIONS[self.action] != TORQUE or self.drive_settles
 
     def samples(self, hardware: Hardware) -> int:
-        """Return the least number of drive samples per control period, at least 1; a fraction raises a ValueError."""
+        """Return the least number of drive samples in a control period; ValueError if not whole and positive."""
         if not self.has_loop:
             return 1
         samples = self.control_period * hardware.rate_loop_frequency

@@ -78,7 +78,7 @@ def _mapped(function: Any, arrays: Any) -> Any:
 
 @overload(lane_view, inline="always")
 def _compiled_lane_view(lanes, lane):
-    """Return generated code of `lane_view` with constructor calls: Numba cannot build a named tuple in a loop."""
+    """Return Numba's implementation of `lane_view`, as generated code: a compiled loop cannot build a named tuple."""
     classes: dict[str, Any] = {}
 
     def construction(kind: types.BaseNamedTuple, path: str) -> str:

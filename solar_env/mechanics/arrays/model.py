@@ -171,7 +171,7 @@ GLOBAL_INTEGRALS = 2
 
 
 def joint_integrals(integrals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the joints' entries of the time integrals (..., count), as an array (..., joints, INTEGRALS_PER_JOINT)."""
+    """Return the joints' part of time integrals (..., count), reshaped to (..., joints, INTEGRALS_PER_JOINT)."""
     by_joint = integrals[..., :-GLOBAL_INTEGRALS]
     return by_joint.reshape(*by_joint.shape[:-1], -1, INTEGRALS_PER_JOINT)
 
@@ -186,7 +186,7 @@ ROW_ENTRIES = 8
 
 
 class Elements(NamedTuple):
-    """Cable elements of all beams, in blocks of LANES elements (`bodies/cable_element/`)."""
+    """Cable elements of all beams, in blocks of LANES elements that are computed together (`bodies/cable_element/`)."""
 
     offset: NDArray[np.int64]  # (blocks, LANES) first coordinate of the element
     inverse_length: NDArray[np.float64]  # (blocks, LANES)

@@ -1,4 +1,4 @@
-"""Record types that run loop and integration methods share: the trial step, and the joints' motion at its ends."""
+"""Record types that run loop and integration methods share: trial step, and joint motion at both ends of a step."""
 
 import numpy as np
 

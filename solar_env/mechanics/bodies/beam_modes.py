@@ -126,7 +126,7 @@ def _sum_over_others(power: int, first: Real) -> Real:
 
 
 def _bending_moment(first: int, power: int) -> Any:
-    """Return the (2, 2) sum of v v^T x^(-4 power) over modes first, first + 2, ...: end values v, wave number x."""
+    """Return the (2, 2) sum of v v^T x^(-4 power) over modes first, first + 2, ... with end values v, wave number x."""
     moment = _CONTEXT.matrix(2, 2)
     k = first
     while k <= _ASYMPTOTIC:
@@ -143,7 +143,11 @@ def _bending_moment(first: int, power: int) -> Any:
 
 
 def _pseudo_modes(moments: Sequence[Any], blocks: int) -> tuple[list[Real], list[tuple[Real, ...]]]:
-    """Return frequencies and end values of pseudo-modes; moments[p - 1]: sum of v v^T omega^-2p for end values v."""
+    """Return the frequencies and end values of pseudo-modes that represent omitted modes.
+
+    `blocks`: number of blocks of Krylov vectors. `moments[p - 1]`: sum of v v^T omega^-2p over the omitted modes, with
+    end values v and frequencies omega.
+    """
     values = moments[0].rows
     size = values * blocks
     stiffness, gram = _CONTEXT.matrix(size, size), _CONTEXT.matrix(size, size)

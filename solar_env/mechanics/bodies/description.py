@@ -98,11 +98,7 @@ class FlexibleBody(AnyBody):
         return self.length / self.elements
 
     def node(self, point: Point) -> int:
-        """Return the index of the node at a point of the body frame [m].
-
-        Raises:
-            ValueError: if the point is not a node.
-        """
+        """Return the index of the node at a point of the body frame [m]; raise a ValueError if it is not a node."""
         step = self.element_length
         index = round(point[0] / step)
         met = math.hypot(point[0] - index * step, point[1]) < 1e-9 * self.length
@@ -153,11 +149,7 @@ class ModalPanel(AnyBody):
         return (self.length / 2, 0.0)
 
     def end(self, point: Point) -> int:
-        """Return the index, 0 or 1, of the panel end at a point of the body frame [m].
-
-        Raises:
-            ValueError: if the point is not an end.
-        """
+        """Return the index, 0 or 1, of the panel end at a body-frame point [m]; raise a ValueError if it is no end."""
         for index, x in enumerate((0.0, self.length)):
             if math.hypot(point[0] - x, point[1]) < 1e-9 * self.length:
                 return index

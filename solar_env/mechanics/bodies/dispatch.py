@@ -18,9 +18,9 @@ def _hold(body, a):
 
 @kernel
 def solve_body(body, constants, q, v, force, a, with_velocity):
-    """Write a body's accelerations under `force` (n,), without joints, to `a`; return its length multiplier, or 0.
+    """Write a body's accelerations under `force` (n,), without joints, to `a`; return the length constraint multiplier.
 
-    `with_velocity` is 1, or 0 to omit velocity terms: the accelerations are then linear in `force`.
+    `with_velocity` is 1, or 0 to omit velocity terms: `a` is then linear in `force`. Return 0 without that constraint.
     """
     if body.fixed:
         _hold(body, a)
@@ -55,7 +55,7 @@ def add_mass_product(body, constants, a, out):
 
 @kernel
 def add_mass_matrix(body, constants, elimination, matrix):
-    """Add a body's mass matrix to the sparse profile matrix `matrix` (`profile.py`)."""
+    """Add a body's mass matrix to the sparse profile matrix `matrix`, whose order is `elimination` (`profile.py`)."""
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:

@@ -35,7 +35,7 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def fill(self, body: Described, row: np.void, constants: list[float]) -> None:
-        """Write a body's parameters to its record `row`; append arrays to `constants`, with their indices in `row`."""
+        """Write a body's parameters to its record `row`; append arrays to `constants`; set their indices in `row`."""
 
     @abstractmethod
     def fill_marker(self, body: Described, row: np.void, first: int, point: Point) -> None:

@@ -26,11 +26,7 @@ body_type = record(list(dict([*_BODY, *(member for kind in KINDS for member in k
 
 
 def code_of(body: AnyBody) -> int:
-    """Return the index in `KINDS` of a described body's kind.
-
-    Raises:
-        ValueError: if the body's class is not in the table.
-    """
+    """Return the index in `KINDS` of a body's kind; raise a ValueError if the body's class is not in the table."""
     for code, kind in enumerate(KINDS):
         if type(body) is kind.description:
             return code

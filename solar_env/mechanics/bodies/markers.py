@@ -1,7 +1,7 @@
-"""Markers, points of bodies with a direction: their motion and loads, and derivatives of these by the coordinates.
+"""Markers, points of bodies with a direction: motion, loads, and their derivatives with respect to the coordinates.
 
-A body's coordinates are points and vectors, and a marker is linear in them. With two coordinate pairs p1 and p2 and J,
-the rotation by 90 degrees, position = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction's
+A body's coordinates are points and vectors, and a marker is linear in them. With coordinate pairs p1 and p2 and
+J = rotation by 90 degrees, position = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction's
 length is the body's length, or a beam's local stretch. The same formulas give the rates from velocities.
 """
 
@@ -106,10 +106,11 @@ def angle_hessian(dx, dy):
 
 @kernel
 def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
-    """Store derivatives of a marker's motion by its four coordinates in columns 4 * side to 4 * side + 3 (`side` 0, 1).
+    """Write derivatives of a marker's motion with respect to its four coordinates to columns 4 * side to 4 * side + 3.
 
-    `gradient` (4, 8) gets derivatives of x and y in rows 0 and 1, and of the direction angle in row 2 + side.
-    `rate_slope` (4, 8) gets derivatives of its rate there. Both must be zero before; `index` gets coordinate indices.
+    `side`: 0 or 1. `gradient` (4, 8) gets derivatives of x and y in rows 0 and 1, of the direction angle in row
+    2 + side. In that row `rate_slope` (4, 8) gets derivatives of the angle's rate. Both must be zero before.
+    `index` (8,) gets the coordinates' indices.
     """
     k, angle = 4 * side, 2 + side
     index[k], index[k + 1] = marker.i1, marker.i1 + 1
@@ -130,7 +131,7 @@ def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
 
 @kernel
 def subtract_hessian(marker, q, torque, elimination, matrix):
-    """Subtract `torque` times the Hessian of a marker's direction angle from `matrix`; a position's Hessian is zero."""
+    """Subtract torque * (Hessian of a marker's direction angle) from a profile matrix; a position's Hessian is zero."""
     dx, dy = direction(marker, q)
     hxx, hxy = angle_hessian(dx, dy)
     for row in range(2):

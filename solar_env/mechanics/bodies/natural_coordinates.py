@@ -38,7 +38,7 @@ class NaturalCoordinates(BodyKind[Body]):
         row["w11"], row["w22"], row["w12"], row["x12"] = inverse_mass_parameters(*mass)
 
     def fill_marker(self, body: Body, row: np.void, first: int, point: Point) -> None:
-        """Write the marker record `row` for any `point` [m] of the body frame; the marker's direction is p2 - p1."""
+        """Write marker `row` (direction: p2 - p1) for a body-frame `point` [m]; `first`: index of first coordinate."""
         along, across = point[0] / body.length, point[1] / body.length
         row["i1"], row["i2"], row["c1"] = first, first + 2, -1.0
         row["a1"], row["b1"], row["a2"], row["b2"] = 1.0 - along, -across, along, across
@@ -99,7 +99,7 @@ def add_mass_product(body, a, out):
 
 @kernel
 def add_body_matrix(body, weight, multiplier, elimination, matrix):
-    """Add weight * (a rigid body's mass matrix) + multiplier * (length constraint's second derivative) to `matrix`."""
+    """Add weight * (mass matrix) + multiplier * (length constraint's Hessian) of a rigid body to a profile matrix."""
     k = body.offset
     for axis in range(2):
         turn = -1.0 if axis == 0 else 1.0
@@ -126,7 +126,7 @@ def solve_mass(body, force, a):
 
 @kernel
 def solve_body(body, q, v, force, a, with_velocity):
-    """Write a rigid body's acceleration under `force` (n,), without joints, to `a`; return its length multiplier.
+    """Write a rigid body's acceleration under `force` (n,), no joints, to `a`; return the length constraint multiplier.
 
     `with_velocity` is 1, or 0 to omit the centripetal term: the acceleration is then linear in `force`.
     """
@@ -154,7 +154,7 @@ def solve_body(body, q, v, force, a, with_velocity):
 
 @kernel
 def project_length(body, q, v):
-    """Correct `q` to a rigid body's length, and `v` to zero stretch rate, by the least change in the mass metric."""
+    """Project a rigid body's `q` and `v` onto its length constraint, by the least change in the mass metric."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     squared = dx * dx + dy * dy
@@ -203,7 +203,7 @@ def add_length_force(body, q, multiplier, out):
 
 @kernel
 def add_length_border(body, q, row, elimination, matrix):
-    """Add the gradient of the length constraint to row and column `row` of `matrix`."""
+    """Add the length constraint's gradient to its multiplier's row and column, number `row`, of a profile matrix."""
     k = body.offset
     for axis in range(2):
         d = q[k + 2 + axis] - q[k + axis]

@@ -28,7 +28,7 @@ def view_joint(model, state, j):
 
 
 class AbsoluteCoordinates(Formulation):
-    """Formulation of rigid bodies and cable-element beams in coordinates along inertial axes (`bodies/kinds.py`)."""
+    """Formulation of rigid bodies and beams of ANCF cable elements in coordinates along inertial axes."""
 
     view_joint = staticmethod(view_joint)
 
@@ -60,7 +60,7 @@ class AbsoluteCoordinates(Formulation):
         return float(np.abs(model.constant_force).max(initial=0.0))
 
     def momenta(self, model: Model, state: State) -> Array:
-        """Return the momenta (3,) [N s, N s, N m s]: generalized momentum times each rigid motion of the mechanism."""
+        """Return the momenta (3,) along x and y [N s] and about the origin [N m s], from the bodies' rigid motions."""
         momentum = np.zeros_like(state.v)
         system.add_mass_products(model, state.v, momentum)
         motions = np.zeros((3, state.q.size))
@@ -77,11 +77,11 @@ class AbsoluteCoordinates(Formulation):
         return KINDS[row["kind"]].centreline(row, of_body, points_per_element)
 
     def modal_range(self, model: Model, state: State) -> tuple[float, float]:
-        """Return zeros, because the formulation has no modal panels."""
+        """Return (0, 0) for the panels' end slope and spin ratio, because the formulation has no modal panels."""
         return 0.0, 0.0
 
     def constraint_force_defect(self, model: Model, state: State) -> tuple[float, float]:
-        """Return the greatest error [N] of generalized-alpha's constraint forces, and the greatest force [N]."""
+        """Return the greatest error of the forces in `state.multipliers`, and the greatest force of any kind [N]."""
         work, multipliers = _evaluate(model, state)
         # The multiplier of a length constraint times the body's length is a force.
         scale = np.ones_like(multipliers)

@@ -4,7 +4,7 @@ Let a and b be the gradients of a loop's inner and outer wheel angles, c and d t
 length, r the wheel ratio and t the torque ratio. The torque T and the pull N are functions of the chord's length and
 of the mismatch s = r angle_a - angle_b. With subscripts for derivatives, the generalized force T (b - t a) - N d gives
 
-dQ/dq = (b - t a) (T_s (r a - b) + T_d d)^T - d (N_s (r a - b) + N_d d)^T - N length c c^T + terms by the Hessians
+dQ/dq = (b - t a) (T_s (r a - b) + T_d d)^T - d (N_s (r a - b) + N_d d)^T - N length c c^T + terms with Hessians
 of the directions and of the chord's angle.
 """
 
@@ -22,7 +22,10 @@ _INNER, _OUTER, _TURN, _LENGTH = range(4)
 
 @kernel
 def add_cable_slopes(model, cable, q, v, tangent, by_q):
-    """Subtract a cable loop's dQ/dq from `by_q`, which must already contain the Hessian terms of the loop's torques."""
+    """Subtract a cable loop's dQ/dq from the profile matrix `by_q`, where Q are the loop's generalized forces.
+
+    `tangent` must hold the joints' coordinates and angle gradients, `by_q` the Hessian terms of the loop's torques.
+    """
     joints, markers, elimination, loads = model.joints, model.markers, model.elimination, tangent.loads
     a, o = cable.joint_a, cable.joint_b
     index, gradient = tangent.cable_coordinates, tangent.cable_gradient
@@ -51,7 +54,7 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 
 @kernel
 def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
-    """Refer wheel-angle gradients in `tangent` to the chord, add the chord's gradients, correct Hessians in `by_q`."""
+    """Measure wheel angles from the chord: set gradients in `tangent.cable_gradient`, correct Hessians in `by_q`."""
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]
     places, index, gradient = tangent.b, tangent.cable_coordinates, tangent.cable_gradient

@@ -33,7 +33,10 @@ def row_product(model, work, r, x):
 
 @kernel
 def fill_column(model, work, r):
-    """Write M^-1 times constraint row `r` to `work.columns[r]`, its stretch of both bodies to `work.stretch[r]`."""
+    """Write M^-1 times constraint row `r` to `work.columns[r]`.
+
+    `work.stretch[r]` gets, for both bodies of the row, the column's entries at base point p2 minus the entries at p1.
+    """
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
     for side in range(2):
         b = model.constraints.bodies[r, side]
@@ -56,7 +59,7 @@ def fill_column(model, work, r):
 
 @kernel
 def fill_columns(model, work, driven):
-    """Compute `work.columns`, `.stretch` and `.free_schur` for the rows of drives (`driven` true) or for other rows."""
+    """Call `fill_column` for drive rows (`driven` true) or others; write rows times columns to `work.free_schur`."""
     m = work.columns.shape[0]
     for r in range(m):
         if model.constraints.driven[r] == driven:

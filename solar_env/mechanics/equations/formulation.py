@@ -76,8 +76,8 @@ class Formulation(ABC):
 
     @abstractmethod
     def modal_range(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Return maxima over all modal panels so far: end slope [rad], spin divided by lowest angular frequency."""
+        """Return maxima since the start over all panels: end slope [rad], spin divided by lowest angular frequency."""
 
     @abstractmethod
     def constraint_force_defect(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Return the greatest error [N] of the state's constraint forces, and the greatest force [N]."""
+        """Return the greatest error of the constraint forces that the state holds, and the greatest force [N]."""

@@ -76,7 +76,7 @@ def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: 
 
 
 def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
-    """Write a cable chord's end markers to `record`: on the middle body, or at the wheels if the loop pulls on them."""
+    """Write a cable chord's end markers to `record`: on the body between the joints, or on the wheels if pulled."""
     ends = ("inboard", "outboard") if record["wheel_radius"] > 0.0 else ("outboard", "inboard")
     record["first"], record["last"] = joints[record["joint_a"]][ends[0]], joints[record["joint_b"]][ends[1]]
 

@@ -62,7 +62,10 @@ def _weighted_sum(mass, damping, stiffness, weights, out):
 
 @kernel(inlined=False)
 def assemble(model, q, multipliers, row_value, newton, weights):
-    """Assemble `newton.matrix` by `weights` of mass, damping, stiffness; length multipliers add to the stiffness."""
+    """Write mass, damping and stiffness times `weights`, bordered by constraint gradients, to `newton.matrix`.
+
+    The length constraints' `multipliers` add to the stiffness.
+    """
     elimination, constraints, matrix = model.elimination, model.constraints, newton.matrix
     mass, damping, stiffness = newton.mass, newton.damping, newton.stiffness
     _weighted_sum(mass.diagonal, damping.diagonal, stiffness.diagonal, weights, matrix.diagonal)

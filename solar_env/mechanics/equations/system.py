@@ -70,7 +70,7 @@ def make_workspace(model: Model, state: State) -> Workspace:
 
 @kernel
 def apply_linear_constraints(model, q, v, time, work, a, multipliers):
-    """Correct `a` for the linear constraints, and compute `multipliers`; return False if constraints are redundant."""
+    """Correct accelerations `a` for the linear constraints, write `multipliers`; False if constraints are redundant."""
     bodies, force = model.bodies, work.force
     rows = work.schur.shape[0]
     if model.drives.size > 0:
@@ -110,7 +110,7 @@ def acceleration_response(model, q, work, force, a):
 
 @kernel
 def applied_forces(model, joint_states, q, v, work):
-    """Compute generalized forces without constraint forces, joint loads, powers: `work.force`, `.loads`, `.power`."""
+    """Write generalized forces (no constraint forces) to `work.force`, joint loads to `.loads`, powers to `.power`."""
     force, power, loads = work.force, work.power, model.loads
     copy_into(force, model.constant_force)
     external = 0.0

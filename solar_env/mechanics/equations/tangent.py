@@ -83,9 +83,10 @@ def local_map(joint, markers, q, v, index, b, rate_slope):
 
 @kernel
 def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_speed, stiffness, damping):
-    """Add derivatives of contact loads by local coordinates to `stiffness`, and by their rates to `damping` (4, 4).
+    """Add derivatives of contact loads p(x, x') to the (4, 4) matrices `stiffness`, dp/dx, and `damping`, dp/dx'.
 
-    Rows: force x, force y, outboard torque, inboard torque. Return the tangential force [N] and its lever [m].
+    p: force x, force y, outboard torque, inboard torque. x: eccentricity x and y, outboard angle, inboard angle.
+    Return the tangential force [N] and its lever [m] about the bearing's centre.
     """
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)

@@ -111,7 +111,7 @@ def is_passed(model, state, settings, arrays, j, kind, h, sign):
 
 @kernel
 def place_of_event(model, state, settings, arrays, h, joint, kind):
-    """Find where the step `h` [s] must end; return (fraction of the step, joint, event kind, whether to solve again).
+    """Find where the step `h` [s] must end; return (fraction of it, joint, event kind, whether to solve it again).
 
     A step that was shortened to the event `kind` of `joint` moves slightly differently, and a long step's interpolant
     misses vibrations. All joints are therefore checked again after every cut. The fraction is 1 if the step ends

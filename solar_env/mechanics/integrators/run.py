@@ -72,7 +72,7 @@ def record_until(model, state, settings, arrays, recorder, h, end):
 
 @kernel(inlined=False)
 def begin_call(model, state, settings, recorder, arrays):
-    """Prepare the arrays at the start of a call, and record the samples due then; return a status code."""
+    """Prepare the arrays for a call of `advance`, and record samples due at its start; return a status code."""
     arrays.trial[0].at_once = 0
     if not begin_of(settings)(model, state, settings, arrays):
         return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
@@ -150,7 +150,7 @@ def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
 
 @kernel
 def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
-    """Accept `share` of a step `h` [s], and begin event `kind` of `joint` there; False if constraints are singular."""
+    """Accept fraction `share` of step `h` [s], begin event `kind` of `joint`; False if constraints are singular."""
     clock, start = state.clock[0], state.clock[0].time
     end = start + share * h
     complete_of(settings)(model, state, settings, arrays, h)

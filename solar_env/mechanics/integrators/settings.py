@@ -27,7 +27,7 @@ class RungeKutta:
         velocity_scale: velocity that is added to |velocity| in the tolerance [m/s].
         max_step: longest step [s].
         impact_resolution: least number of steps per predicted duration of an impact, `fewest_steps` or more.
-        max_steps: most steps of one call, rejected ones included; the default takes about a minute with rigid panels.
+        max_steps: most steps per call of `advance`, also rejected; the default takes about a minute with rigid panels.
         name: name of the integration method. Every method has this and the following class attributes.
         takes_drives: whether mechanisms may have drives.
         settles_forces: whether multipliers approach the constraint forces only some steps after a change of step size.
@@ -111,11 +111,11 @@ class GeneralizedAlpha:
     """Settings of generalized-alpha with a fixed step on the index-3 equations (`methods/generalized_alpha.py`).
 
     Attributes:
-        step: longest step [s]; a call is divided into equal steps.
+        step: longest step [s]; a call of `advance` is divided into equal steps.
         rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives the paper's trapezoidal scheme, beta = 1/4,
             gamma = 1/2.
         newton_tolerance: tolerance of a Newton correction, relative to the length scale.
-        max_steps: most steps of one call; the default takes about a minute with rigid panels.
+        max_steps: most steps per call of `advance`; the default takes about a minute with rigid panels.
     """
 
     step: float = 1e-4

@@ -1,10 +1,10 @@
 """Closed cable loops: belts over the wheels of two joints, along the body between (Li et al. 2019, Eqs 2-4).
 
 The inner wheel is fixed to the body inboard of the inner joint, the outer wheel to the body outboard of the outer
-joint. The body between the joints is the carrier. The strands run from hinge to hinge along the carrier's chord, and
-the wheels' angles are measured relative to this chord. On a rigid carrier, a wheel's angle is the joint's angle. On a
-carrier that bends, the loop's generalized forces are the gradients of the wheels' angles: the loop pulls at the hinges,
-across the chord, and exerts no torque on the carrier's ends.
+joint. The body between the joints is the carrier. The strands run along its chord, the straight line from hinge to
+hinge, and the wheels' angles are measured relative to this chord. On a rigid carrier, a wheel's angle is the joint's
+angle. On a carrier that bends, the loop's generalized forces are its torques times the gradients of the wheels' angles:
+the loop pulls at the hinges, across the chord, and exerts no torque on the carrier's ends.
 
 A loop that pulls on the bearings (Eq 3) runs between the wheels' centres, which differ from the hinges by the
 clearances. The wheels' radii are r1 and r2, the distance of their centres is d. As d grows, each strand lengthens with
@@ -92,7 +92,7 @@ def chord(cable, markers, q):
 
 @kernel
 def wheel_motion(cable, joints, markers, q, inner, outer):
-    """Return a cable loop's mismatch of wheel angles [rad] and chord length [m], given its joint angles [rad]."""
+    """Return a cable loop's wheel angle mismatch [rad] and chord length [m] at joint angles `inner`, `outer` [rad]."""
     length = 0.0
     if cable.chord_sense != 0:
         a, b = joints[cable.joint_a], joints[cable.joint_b]
@@ -119,13 +119,13 @@ def inner_wheel_rate(cable, joints, markers, q, v, rate):
 
 @kernel
 def end_torques(cable, joints, torque):
-    """Return a cable loop's torques (inner, outer) [N m] on the body between its joints; `torque`: on outer joint."""
+    """Return the torques (inner, outer) [N m] on the body between a loop's joints, given the outer joint's `torque`."""
     return -cable.torque_ratio * torque * joints[cable.joint_a].sign, -torque * joints[cable.joint_b].sign
 
 
 @kernel
 def chord_force(cable, markers, q, moment, pull):
-    """Return the force (x, y) [N] on the last end of a cable loop's chord; the opposite force acts on its first end.
+    """Return the force (x, y) [N] on the outer end of a cable loop's chord; the opposite force acts on its inner end.
 
     The two forces exert `moment` [N m] on the chord and pull its ends together with `pull` [N].
     """
@@ -137,7 +137,7 @@ def chord_force(cable, markers, q, moment, pull):
 
 @kernel
 def move_to_chord(cable, joints, markers, q, torque, pull, force):
-    """Replace a cable loop's torques on its carrier by forces at the ends of its chord, in the generalized `force`.
+    """Replace, in the generalized `force`, a cable loop's torques on its carrier by forces at the ends of its chord.
 
     The carrier is the body between the loop's joints. `torque` acts on the outer joint [N m], `pull` on the wheels'
     centres [N]. The loop must have a chord.

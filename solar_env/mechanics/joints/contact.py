@@ -39,7 +39,7 @@ class ContactMotion(NamedTuple):
 
 @kernel
 def sliding_share(joint, depth):
-    """Return the ratio of sliding speed to relative speed: depth / (clearance + depth) for "places", else 1."""
+    """Return sliding / relative speed: depth / (clearance + depth) in contact if `joint.sliding` is PLACES, else 1."""
     if joint.sliding == PLACES:
         return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
     return 1.0 + 0.0 * depth
@@ -92,8 +92,8 @@ def normal_force(joint, depth, rate, impact_speed):
 def depth_under(joint, load, rate, impact_speed, give):
     """Return the depth [m] at which a contact carries a `load` [N], and the force's slopes there by depth and rate.
 
-    All three are zero where the contact parts, carries no load, or is no stiffer than its bodies, whose compliance is
-    `give` [m/N]. `rate` is the rate of the depth [m/s]. `load`, `rate` and `give` are vectors.
+    All three are zero where the surfaces part fast or carry no load, and where the contact's stiffness does not exceed
+    its bodies', 1 / `give` [N/m]. `rate` is the rate of the depth [m/s]. `load`, `rate` and `give` are vectors.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     bracket = 1.0 + damping * rate

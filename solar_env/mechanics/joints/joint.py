@@ -1,8 +1,8 @@
 """Forces in a joint: the torques about its angle (`torques`), and the contact in its bearing.
 
 Every joint connects an outboard marker (the journal) to an inboard marker (the bearing). A torque's generalized force
-is the gradient of the marker's direction angle, so that the torque does no work on a body's stretch. A contact force
-acts at the same point on both bodies, so that linear and angular momentum are conserved exactly.
+is the torque times the gradient of the marker's direction angle, so that it does no work on a body's stretch. A contact
+force acts at the same point on both bodies, so that linear and angular momentum are conserved exactly.
 """
 
 import math
@@ -73,7 +73,7 @@ def joint_motion(joint, markers, q, v):
 def joint_torques(model, joint_states, q, v, loads, force, power):
     """Write every joint's angle, rate, spins and torques to `loads`, and the torques' powers to `power`.
 
-    Add to the generalized `force` only the corrections by cable loops that act on a chord (`move_to_chord`).
+    Of their generalized forces, add to `force` only the corrections for cable loops on a chord (`move_to_chord`).
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):
@@ -102,10 +102,10 @@ def joint_torques(model, joint_states, q, v, loads, force, power):
 
 @kernel
 def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
-    """Write the motion, forces and torques of all joints to `loads`, and their powers to `power`.
+    """Write the motion, forces and torques of all joints to `loads`, and the rates of their time integrals to `power`.
 
-    Add the generalized forces to `force`. Where a joint's impact speed is zero, the journal flies freely and no contact
-    force acts in this step.
+    Add the generalized forces to `force`. The integrals are works, dissipations and impulses. Where a joint's impact
+    speed is zero, the journal flies freely and no contact force acts in this step.
     """
     joint_torques(model, joint_states, q, v, loads, force, power)
     joints, markers = model.joints, model.markers

@@ -197,8 +197,9 @@ def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
 def bracket(surfaces: Surfaces, restitution: float) -> PowerLaw:
     """Return the contact law of surfaces far stiffer than their bracket: F = K depth (1 + d rate / v).
 
-    K is the bracket's stiffness, since the surfaces' own depth is small: 337 N press spheres of 4 mm with a clearance
-    of 25 um in by 2.5 um, and a bracket of 1e7 N/m by 34 um. The exit speed ratio is exactly the restitution.
+    K is the bracket's stiffness; the surfaces' own depth is neglected. For example, 337 N move a bracket of 1e7 N/m by
+    34 um, but press a steel sphere of radius 4 mm only 2.5 um into a brass seat with 25 um of clearance. The exit
+    speed ratio is exactly the restitution.
 
     Raises:
         ValueError: if `surfaces.bracket_stiffness` is None, or `surfaces.stiffness`, which is for spheres, is given.

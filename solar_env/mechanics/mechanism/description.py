@@ -25,7 +25,7 @@ class Spring:
 
 @dataclass(frozen=True)
 class Stop:
-    """Two-sided stop with free play `gap` on either side: BISTOP with STEP damping (Li et al. 2019, Eqs 5-7).
+    """Two-sided stop with free play on either side: ADAMS' functions BISTOP and STEP (Li et al. 2019, Eqs 5-7).
 
     Attributes:
         gap: free play to each side [rad].

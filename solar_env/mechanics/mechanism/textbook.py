@@ -82,7 +82,7 @@ def four_bar(
     """Return the four-bar linkage with a crank that turns at a constant rate, in its open configuration.
 
     Crank and rocker are pinned at (0, 0) and (ground_length, 0). The default links are slender rods of 0.10 m, 0.35 m
-    and 0.25 m with 1 kg per metre. They make a crank-rocker with one turn per second (chosen).
+    and 0.25 m with 1 kg per metre. They make a crank-rocker; by default, the crank turns once per second.
 
     Args:
         crank, coupler, rocker: links; None takes the defaults.

@@ -1,4 +1,4 @@
-"""Acceptance of a step: its error in units of the tolerances, and the update of modes, loads and maxima at its end."""
+"""Acceptance of a step: error in units of tolerances; update of modes, loads, greatest slopes and spins at its end."""
 
 import math
 
@@ -31,7 +31,7 @@ _COMPARABLE = 0.01
 
 @kernel
 def at_start(course):
-    """Return the value at the start of a step of the polynomial through the three values `course` at its stages."""
+    """Return a polynomial's value at the start of a step, given its values `course` at the step's three stages."""
     total = 0.0
     for k in range(STAGES):
         total += AT_START[k] * course[k]
@@ -40,10 +40,11 @@ def at_start(course):
 
 @kernel
 def vibration_defect(panels, panel, free, held, d, h, kind, group):
-    """Return the error [m/s] at a panel's end by a mode group's vibrations, which the step `h` [s] does not resolve.
+    """Return the error [m/s] of a panel's end due to those vibrations of a mode `group` that a step cannot resolve.
 
-    `kind` selects the error: 0 for the end's rate, 1 for its deflection times the frequency. Static deflections under
-    the loads and foreshortening at the start of the step are subtracted, since they do not vibrate.
+    `kind` selects the error: 0 for the end's velocity, 1 for its deflection times the modes' frequencies. Static
+    deflection by the loads at the start of the step `h` [s], and foreshortening, do not vibrate: they are subtracted by
+    means of the tables `held` and `free` of panel design `d`.
     """
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
@@ -69,8 +70,8 @@ def deviation(state, work, k):
 def step_error(model, state, work, settings, tables, level, h):
     """Return the error of a solved step `h` [s] in units of the tolerances: the greatest error of any load or panel.
 
-    A load's error is its `deviation`. If the last step was far longer, a reaction's error is at most its change between
-    the stages. A panel's error is the difference of its ends' unresolved vibration from the exact vibration.
+    A load's error is its `deviation`; after a far longer step, a reaction's error is at most its change from the first
+    to the last stage. A panel's error is the difference between the computed and the exact vibration of its ends.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -106,22 +107,22 @@ def step_error(model, state, work, settings, tables, level, h):
 
 @kernel
 def number_at(array, k):
-    """Return element `k` of an array; the counterpart of `load4` for a single number."""
+    """Return element `k` of an array; `load4`, its counterpart for vectors, returns four elements from `k` on."""
     return array[k]
 
 
 @kernel
 def put_number(array, k, number):
-    """Set element `k` of an array; the counterpart of `store4` for a single number."""
+    """Set element `k` of an array; `store4`, its counterpart for vectors, sets four elements from `k` on."""
     array[k] = number
 
 
 @kernel
 def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
-    """Advance amplitude `q` and rate `v` of mode `k` over the step, or of four modes from `k` on.
+    """Advance mode `k` of a panel over the step, or the four modes from `k` on: amplitudes `q` and rates `v`.
 
-    One mode needs `number_at` and `put_number` as `take` and `put`, four modes need `load4` and `store4`. `load` holds
-    the loads of the ends at the stages. Return the square of (new rate times frequency).
+    Pass `number_at`, `put_number` as `take`, `put` for one mode, `load4`, `store4` for four. `load` holds the loads of
+    the panel's ends at the stages, `ends` the modes' responses. Return the square of (new rate times frequency).
     """
     value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
     moved = take(ends[0], k) * value + take(ends[1], k) * rate
@@ -138,7 +139,7 @@ def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
 
 @kernel
 def move_panel(panels, panel, ends, d, q, v):
-    """Advance a panel's amplitudes `q` and rates `v` over the step; return the damping power [W] at the step's end."""
+    """Advance amplitudes `q`, rates `v` of a panel of design `d` over the step; return its damping power [W] then."""
     total = 0.0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
@@ -164,7 +165,7 @@ def move_panel(panels, panel, ends, d, q, v):
 
 @kernel
 def note_extremes(model, state, work, v):
-    """Update the panels' maxima so far, `state.extremes`: slope of an end [rad], spin divided by lowest frequency."""
+    """Update `state.extremes`, maxima over panels and time: slope of an end [rad], spin divided by lowest frequency."""
     panels, extremes = model.panels, state.extremes
     even, odd = panels.first[BENDING_EVEN], panels.first[BENDING_ODD]
     for b in range(model.bodies.size):

@@ -1,8 +1,8 @@
 """Arrays of a mechanism of rigid bodies and modal panels: constants, state, scratch. All quantities are in SI units.
 
-A body's coordinates are its centre of mass, its angle and, for a panel, its amplitudes by mode group. Motion at the
-stages of a step is scratch, with stages on last axes of length LANES. Motion at the start of a step belongs to the
-state, to which every step writes the motion at its end.
+A body's coordinates are its centre of mass, its angle and, for a panel, its amplitudes by mode group. Scratch
+arrays hold the motion at the stages of a step; their last axis, of length LANES, is the stage. The state holds the
+motion at the start of a step, and takes over the motion at the end of every accepted step.
 """
 
 from typing import NamedTuple
@@ -185,10 +185,7 @@ step_scratch = record(
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays, whose contents do not outlive a call. Shapes name J joints, C cable loops and R unknowns.
-
-    Records have the same layout for every mechanism, so that kernels handle fewer array shapes.
-    """
+    """Scratch arrays, whose contents do not outlive a call. In shapes, J counts joints, C cable loops, R unknowns."""
 
     trial: NDArray[np.void]  # (1,) and (joints,): see `arrays.trial`
     motion: NDArray[np.void]

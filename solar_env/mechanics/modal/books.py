@@ -111,7 +111,11 @@ def add_integrals(model, state, work, h):
 
 @kernel
 def note_peaks(model, state, work, h, share):
-    """Update the joints' force maxima by the step's contact forces: at stages, or at the top of a parabola between."""
+    """Raise the joints' force maxima to the step's greatest contact forces.
+
+    If the force is greatest at a stage before the step's end, the maximum of the parabola through this value and both
+    neighbours counts. Other methods need the step `h` [s] and its accepted fraction `share`; this kernel ignores both.
+    """
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
         joint_state, force = state.joints[j], force_of(model, j)
@@ -146,7 +150,7 @@ def panel_energies(model, body, q, v, work, energies):
 
 @kernel(inlined=False)
 def stored_energies(model, state, q, v, work, energies):
-    """Write to `energies` the stored energies [J] of the motion `q`, `v` for which `look_at` was called last."""
+    """Write to `energies` the stored energies [J] at `q` and `v`; `work` must hold the motion there (`look_at`)."""
     energies[:] = 0.0
     for b in range(model.bodies.size):
         body = model.bodies[b]
@@ -170,7 +174,7 @@ def stored_energies(model, state, q, v, work, energies):
 
 @kernel
 def cubic(share, x0, r0, x1, r1):
-    """Return the Hermite cubic at a fraction `share` of the step: values x0, x1; rates times the step r0, r1."""
+    """Return the Hermite cubic at the fraction `share` of a step, from values x0, x1 and rates times step r0, r1."""
     rest = 1.0 - share
     return rest * rest * ((1.0 + 2.0 * share) * x0 + share * r0) + share * share * (
         (3.0 - 2.0 * share) * x1 - rest * r1
@@ -179,7 +183,7 @@ def cubic(share, x0, r0, x1, r1):
 
 @kernel(inlined=False)
 def fill_load_table(model, state, work, loads, table):
-    """Write joint motion (of the last `look_at`), forces and torques to `table`; `loads` has `state.course`'s order."""
+    """Write to `table` the joints' motion in `work`, forces in `loads` (in `state.course`'s order), and torques."""
     for j in range(model.joints.size):
         joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]
@@ -201,7 +205,7 @@ def fill_load_table(model, state, work, loads, table):
 
 @kernel
 def course_at(stage, share):
-    """Return the polynomial through the values `stage` at the stages of a step, at a fraction `share` of the step."""
+    """Return a polynomial's value at a fraction `share` of a step, given its values `stage` at the step's stages."""
     total = 0.0
     for k in range(STAGES):
         value = 0.0
@@ -213,9 +217,10 @@ def course_at(stage, share):
 
 @kernel
 def sample_modal(model, state, settings, work, recorder, h, share):
-    """Store a row in `recorder.samples`, at a fraction `share` of the step from the present state to `work.q`.
+    """Store motion, loads, energies and integrals at a fraction `share` of a step in a row of `recorder.samples`.
 
-    Frame velocities are rates of interpolating cubics. Mode velocities (not always resolved) and integrals are linear.
+    The step `h` [s] runs from `state` to the motion in `work`. Bodies' velocities are slopes of interpolating
+    cubics; velocities of modes (not always resolved) and integrals are interpolated linearly.
     """
     n, rest = state.q.size, 1.0 - share
     row = recorder.samples[recorder.filled[0]]

@@ -59,7 +59,7 @@ def design(panel: ModalPanel) -> _Design:
 
 
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
-    """Return K and S of `quadratic_forms` by bending group (2, LOW, LOW, FORMS), without products that vanish."""
+    """Pack K (`project`) and S (`ends`) of `quadratic_forms` by bending group: (2, LOW, LOW, FORMS), no zero blocks."""
     forms = np.zeros((2, LOW, LOW, FORMS))
     # The lowest bending modes are even and odd by turns; then come the end values of the other modes.
     rest = range(coupled, coupled + VALUES), range(coupled + VALUES, coupled + 2 * VALUES)
@@ -112,7 +112,7 @@ def _panel_constants(chosen: _Design) -> Panels:
 def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, Tables]:
     """Return constants and response tables of panel designs, which all simulations share and only read.
 
-    The response of a damped mode is exact up to a frequency times step of `exact`.
+    Damped modes respond exactly to steps whose size times the mode's angular frequency is at most `exact`.
     """
     parts = [_panel_constants(chosen) for chosen in designs]
     joined = {
@@ -206,7 +206,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
 def _bodies(
     described: list[AnyBody], designs: tuple[_Design, ...], amplitudes: int
 ) -> tuple[NDArray[np.void], NDArray[np.float64], NDArray[np.float64]]:
-    """Return records (`body_type`), initial coordinates and velocities of bodies; panels have `amplitudes` each."""
+    """Return bodies' records (`body_type`), initial coordinates and velocities; a panel has `amplitudes` modes."""
     offsets = [0, *itertools.accumulate(3 + amplitudes * isinstance(body, ModalPanel) for body in described)]
     bodies = np.zeros(len(described), dtype=body_type)
     q, v = np.zeros(offsets[-1]), np.zeros(offsets[-1])

@@ -40,7 +40,7 @@ from solar_env.mechanics.numerics.vectors import (
 
 @kernel
 def free_ends(panels, panel, tables, d, level, q, v):
-    """Compute a panel's motion without loads at the stages: ends (`panel.free`), coupled modes (`panel.low_free`)."""
+    """Compute the free motion from `q`, `v` at the stages: panel ends `panel.free`, coupled modes `panel.low_free`."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         # Slices avoid tests for negative indices.
@@ -62,7 +62,7 @@ def free_ends(panels, panel, tables, d, level, q, v):
 
 @kernel
 def forced_ends(panel, response, groups):
-    """Compute in `panel.ends` the ends' motion at the stages, free plus response to loads, for `groups` mode groups."""
+    """Compute the first `groups` mode groups' end motion in `panel.ends`: free motion plus `response` to the loads."""
     for group in range(groups):
         for i in range(values_of(group)):
             total = load8(panel.free[group, i], 0)
@@ -74,7 +74,7 @@ def forced_ends(panel, response, groups):
 
 @kernel
 def add_modal_forces(panels, panel, forced, d):
-    """Add to the ends' motion in `panel.ends` the response to the modal forces by which foreshortening acts."""
+    """Add to `panel.ends` the end motion of a panel of design `d` due to foreshortening's forces on its modes."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k, by_load, gain = panels.first[group] + r, forced[group, r], splat8(0.0)
@@ -86,7 +86,7 @@ def add_modal_forces(panels, panel, forced, d):
 
 @kernel
 def foreshorten(forms, panel):
-    """Compute foreshortening's quadratic forms, with rates and gradients, in `panel`, from the motion `panel.low`."""
+    """Write to `panel` values, rates and gradients of foreshortening's quadratic `forms` at the motion `panel.low`."""
     value0 = value1 = value2 = value3 = value4 = splat4(0.0)
     rate0 = rate1 = rate2 = rate3 = rate4 = splat4(0.0)
     for group in range(2):
@@ -136,7 +136,7 @@ def in_all_lanes(value, rate):
 
 @kernel
 def sum_ends(panels, panel, d, q, v):
-    """Compute in `panel.ends` the ends' motion by amplitudes `q` and their rates `v`, without foreshortening."""
+    """Write to `panel.ends` the end motion at amplitudes `q`, rates `v` of panel design `d`, without foreshortening."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         values, rates = q[begin:end], v[begin:end]
@@ -150,7 +150,7 @@ def sum_ends(panels, panel, d, q, v):
 
 @kernel
 def take_rest(panels, panel, d, group, r, moved):
-    """Subtract coupled mode `r`, with motion `moved`, from end values in `panel.low`: the other modes' part is left."""
+    """Subtract mode `r` of a group, which moves by `moved`, from the group's end motion in `panel.low` (design `d`)."""
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]
         store8(rest, 0, load8(rest, 0) - panels.shapes[d, i, panels.first[group] + r] * moved)
@@ -158,7 +158,7 @@ def take_rest(panels, panel, d, group, r, moved):
 
 @kernel
 def shorten_pose(panels, panel, d, q, v):
-    """Add foreshortening at amplitudes `q` and their rates `v` to the motion of a panel's ends in `panel.ends`."""
+    """Add to `panel.ends` the end motion of panel design `d` by foreshortening at amplitudes `q` and rates `v`."""
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):
@@ -174,7 +174,11 @@ def shorten_pose(panels, panel, d, q, v):
 
 @kernel
 def move_low(panels, panel, forced, d, group):
-    """Compute a group's coupled coordinates at the stages in `panel.low`, under end loads and present modal forces."""
+    """Compute in `panel.low` the coordinates of a mode `group` on which foreshortening acts, at the stages.
+
+    They are the coupled modes' amplitudes and, in bending, the end motion by all other modes. They follow from the free
+    motion, the loads (responses `forced`) and the modal forces in `panel.coupling`. `d` is the panel's design.
+    """
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
         for i in range(VALUES):
@@ -197,13 +201,13 @@ def move_low(panels, panel, forced, d, group):
 
 @kernel
 def axial_form(group, r):
-    """Return the index of the quadratic form that projects foreshortening on coupled axial mode `r` of a group."""
+    """Return the index of the quadratic form that projects foreshortening on axial mode `r` of an axial group."""
     return ODD_FIRST + r if group == AXIAL_ODD else EVEN_FIRST
 
 
 @kernel
 def push_axial(panels, panel, d):
-    """Compute in `panel.coupling` the modal forces with which foreshortening acts on a panel's axial modes."""
+    """Compute in `panel.coupling` foreshortening's forces on the axial modes of a panel of design `d`."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency = panels.frequency[d, panels.first[group] + r]
@@ -214,7 +218,7 @@ def push_axial(panels, panel, d):
 
 @kernel
 def push_bending(panels, panel, d):
-    """Compute in `panel.coupling` the modal forces with which tension acts on a panel's bending coordinates."""
+    """Compute in `panel.coupling` the tension's forces on the bending coordinates of a panel of design `d`."""
     for f in range(FORMS):
         store4(panel.tension[f], 0, splat4(0.0))
     store4(panel.tension[EVEN_ENDS], 0, load4(panel.load[AXIAL_EVEN, 0], 0))
@@ -246,7 +250,7 @@ def push_bending(panels, panel, d):
 
 @kernel
 def bend(panels, panel, forced, d):
-    """Compute foreshortening at the stages in `panel.shortening`; `panel.ends` must already include the loads."""
+    """Compute foreshortening in `panel.shortening`; `panel.ends` must hold the motion under the loads (design `d`)."""
     for group in range(AXIAL_EVEN):
         move_low(panels, panel, forced, d, group)
     foreshorten(panels.forms[d], panel)
@@ -254,9 +258,9 @@ def bend(panels, panel, forced, d):
 
 @kernel
 def couple(panels, panel, forced, d):
-    """Compute foreshortening's modal forces at the stages in `panel.coupling`: axial ones, then ones by tension.
+    """Compute foreshortening's forces in `panel.coupling`: on axial, then on bending coordinates (panel design `d`).
 
-    `bend` must have been called. End loads change: they include foreshortening's forces on the other modes' end values.
+    Call `bend` before. Forces on the modes that are not coupled act as loads on the panel's ends in `panel.load`.
     """
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):

@@ -34,7 +34,7 @@ _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 @kernel
 def enter_piece(load, piece):
-    """Store the branches `piece` of a load's law at the stages in `load`; return 1 where a branch changed, else 0."""
+    """Store in `load` the smooth branch of its law at each stage, `piece`; return 1 where it changed, else 0."""
     before = load4(load.piece, 0)
     store4(load.piece, 0, piece)
     return where_less(piece, before, 1.0, where_less(before, piece, 1.0, 0.0))
@@ -44,7 +44,8 @@ def enter_piece(load, piece):
 def torque_laws(model, state, work):
     """Write to `work.loads` the torques of joints and cable loops, and their slopes, at the stages.
 
-    Return the number of changed branches by stage, without slackening cable loops: these are smooth enough for Newton.
+    Return how many of the laws changed their branch (smooth part) at each stage. Cable loops that slacken do not count,
+    since Newton's method converges all the same.
     """
     changed = splat4(0.0)
     for j in range(model.joints.size):
@@ -73,7 +74,7 @@ def torque_laws(model, state, work):
 
 @kernel
 def enter_row(work, r, load, diagonal):
-    """Write row `r` of Newton's matrix: derivatives of unknown `r` minus its law by all unknowns of its block.
+    """Write row `r` of Newton's matrix: derivatives, by its block's unknowns, of (unknown `r` minus its law's value).
 
     `load` is the record of the unknown. `diagonal` is 1, or 0 for a reaction, whose equation is a constraint.
     """
@@ -89,7 +90,7 @@ def enter_row(work, r, load, diagonal):
 
 @kernel
 def contact_law(joint, joint_state, scratch, normal, tangential):
-    """Write a contact's forces and slopes to `normal` and `tangential`; return 1 at stages where a branch changed."""
+    """Write a contact's forces and slopes to `normal`, `tangential`; return 1 (else 0) where its law changed branch."""
     motion, tried, speed_zero = scratch.motion, scratch.tried, joint_state.impact_speed
     depth, rate, speed = load4(motion[DEPTH], 0), load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
     force, _, by_depth, by_rate = normal_force(joint, depth, rate, speed_zero)
@@ -122,7 +123,7 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
 
 @kernel
 def contact_laws(model, state, work, n):
-    """Write forces and slopes of all contacts to `work.loads`; return the number of changed branches by stage."""
+    """Write forces and slopes of contacts among `n` unknowns to `work.loads`; return the branch changes by stage."""
     changed = splat4(0.0)
     for r in range(n):
         if work.unknowns[r].kind == NORMAL_ROW:

@@ -116,13 +116,14 @@ def present_motion(model: ModalModel, state: ModalState) -> Workspace:
 def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int) -> NDArray[np.complex128]:
     """Return the points of a panel's axis in the panel's frame, as complex numbers x + i y.
 
-    True bending modes enter with their shapes; all else is exact at the ends, and a polynomial between them.
+    The panel's bending modes have their true shapes. The pseudo-modes for higher modes, and stretching, are exact at
+    the ends and interpolated by polynomials between them.
     """
     panels, d, s = model.panels, row["design"], np.linspace(0.0, 1.0, points)
     parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]
 
     def beyond(group: int, lowest: int) -> Array:
-        """Return what all modes of a group above the `lowest` contribute to the values of the first end."""
+        """Return the motion of the first end due to all modes of a mode group except its `lowest` first ones."""
         return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.shapes[d, :, parts[group]].T[lowest:])
 
     low = [

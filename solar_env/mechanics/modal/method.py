@@ -117,7 +117,8 @@ def start_at_state(state, work):
 def choose_modal(model, state, settings, work, remaining):
     """Return the step to try [s]: the greatest tabled size that accuracy, impacts and settings allow.
 
-    Take the `remaining` time of the call instead if it is hardly longer. Store the size's level in `work.trial`.
+    Where it reaches the end of the call, or almost, return at least the `remaining` time, to which the caller cuts the
+    step. Store the index of the tabled size in `work.trial`.
     """
     wanted = step_limit(state, settings)
     level = level_below(wanted)
@@ -138,7 +139,7 @@ def tables_of(model, work):
 
 @kernel
 def attempt_modal(model, state, settings, work, h):
-    """Solve a trial step `h` [s]; return its error in tolerances: 0 if cut at an event, infinite if unsolved."""
+    """Solve a trial step `h` [s]; return error / tolerance: 0 if it was cut at an event, infinite if unsolved."""
     trial = work.trial[0]
     if trial.cuts > 0:
         trial.level = _OFF_TABLE
@@ -238,7 +239,7 @@ def instantaneous_inverse_mass(model, state, j):
 
 @kernel
 def open_contact(model, state, work, j):
-    """Start joint `j`'s contact loads at their laws' values; return its inverse effective mass [1/kg] for an impact."""
+    """Set joint `j`'s contact forces by their laws; return its inverse effective mass [1/kg] for the impact."""
     joint, motion = model.joints[j], state.motion[j]
     # The loads matter where a run starts with a journal that is pressed into its bearing.
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
@@ -251,7 +252,7 @@ def open_contact(model, state, work, j):
 
 @kernel
 def resume_modal(model, state, work):
-    """Set the loads of contacts that have ended to zero."""
+    """Set the forces of contacts that have ended to zero."""
     for j in range(model.joints.size):
         if model.joints[j].kind == CLEARANCE and not state.joints[j].in_contact:
             for k in range(force_of(model, j), force_of(model, j) + 2):

@@ -2,8 +2,8 @@
 
 Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. The angles of a
 loop's wheels are measured relative to the chord of the body between its joints (`joints/cable_loop.py`). A loop's load
-is the torque on the outer wheel. If the loop conserves energy, this torque does work on minus the mismatch of the
-wheels' angles.
+is the torque on the outer wheel. If the loop conserves energy, its power is minus this torque times the rate of the
+mismatch of the wheels' angles.
 """
 
 import math
@@ -67,7 +67,7 @@ def add(target, vector):
 
 @kernel
 def add_load(model, work, number, fx, fy, torque):
-    """Add a force [N] and a torque [N m] at an attachment, at all stages, to its body's and panel's loads in `work`."""
+    """Add a force [N] and torque [N m] at attachment `number`, at all stages, to body's and panel's loads in `work`."""
     attachment = model.attachments[number]
     body, arm = work.bodies[attachment.body], work.attachments[number].arm
     add(body.load[0], fx)
@@ -112,7 +112,7 @@ def force_of(model, j):
 
 @kernel
 def cable_attachment(model, cable, face):
-    """Return the index of a loop's attachment `face`: outer wheel, inner wheel, then the chord's two ends."""
+    """Return the index of a cable loop's attachment `face`: 0 outer wheel, 1 inner wheel, 2 and 3 its chord's ends."""
     if face == 0:
         return model.joints[cable.joint_b].outboard
     if face == 1:
@@ -143,7 +143,7 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
 
 @kernel
 def distribute_loads(model, state, work):
-    """Compute in `work` loads on bodies and panel ends at the stages: joint and loop loads in present directions."""
+    """Sum in `work` the presently directed loads of joints and cable loops on bodies and panel ends at the stages."""
     nothing = splat4(0.0)
     for b in range(model.bodies.size):
         for i in range(3):
@@ -324,7 +324,7 @@ def move_cables(model, work):
 
 @kernel(inlined=False)
 def look_at(model, q, v, work):
-    """Compute the motion of frames, attachments, joints and cable loops at `q`, `v`, in all vector lanes of `work`."""
+    """Compute in `work` the motion of bodies, attachments, joints and cable loops at `q`, `v`, alike at all stages."""
     for b in range(model.bodies.size):
         body, scratch, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
@@ -343,7 +343,7 @@ def look_at(model, q, v, work):
 
 @kernel
 def start_from_end(model, state, q, work):
-    """Copy the motion at the last stage to the state as its present motion; coordinates `q` give the body angles."""
+    """Copy the motion at the last stage to `state`, to start the next step; body angles come from coordinates `q`."""
     for b in range(model.bodies.size):
         angle = q[model.bodies[b].offset + 2]
         state.turns[b, 0], state.turns[b, 1] = math.cos(angle), math.sin(angle)

@@ -106,7 +106,7 @@ def foresee(state, work, h):
 
 @kernel
 def continue_course(foreseen, course, stage):
-    """Extrapolate `course`, values at the last step's stages, to this step's stages; write them to `stage` (LANES,)."""
+    """Extrapolate `course`, values at the last step's stages, to this step's by weights `foreseen`; write `stage`."""
     total = course[0] * load4(foreseen[0], 0)
     for k in range(1, STAGES):
         total = total + course[k] * load4(foreseen[k], 0)
@@ -115,7 +115,7 @@ def continue_course(foreseen, course, stage):
 
 @kernel
 def start_stages(model, state, work, h):
-    """Guess the stages of a step in `work`: directions move at initial rates, loads extrapolate the last step."""
+    """Guess the stages of a step in `work`: directions turn at their initial rates, loads continue the last step's."""
     foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
@@ -158,7 +158,8 @@ def start_stages(model, state, work, h):
 def move_stages(model, state, work, tables, level, h, shaped, coupled):
     """Compute in `work` the motion of bodies, attachments and joints at the stages under the present loads.
 
-    If `shaped`, update foreshortening; if `coupled`, update its forces, too, from amplitudes under the previous forces.
+    If `shaped`, update foreshortening; if `coupled`, also its forces, from amplitudes under the previous forces.
+    `tables` at `level` hold the modes' responses to the step `h` [s].
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
@@ -193,7 +194,10 @@ def velocity_tolerance(model, state, settings):
 
 @kernel
 def set_tolerances(model, state, work, settings, h, n):
-    """Set each force's tolerance in `work.loads`: how far it may lie from the polynomial through its stage values."""
+    """Set the tolerance of every force among the `n` unknowns in `work.loads`.
+
+    It bounds how far the force at the start of the step may lie from the polynomial through its values at the stages.
+    """
     limit = work.step[0].velocity_tolerance
     for r in range(n):
         j, kind, load = work.unknowns[r].owner, work.unknowns[r].kind, work.loads[work.unknowns[r].number]
@@ -224,7 +228,7 @@ def greatest_lane(vector):
 
 @kernel
 def factor_matrix(state, work, n, h, renewed):
-    """Compute the residuals; if `renewed`, compute and factor Newton's matrix. Return False if a block is singular."""
+    """Compute `n` unknowns' residuals and, if `renewed`, Newton's matrix and its factors; return False if singular."""
     for r in range(n):
         load, constraint = work.loads[work.unknowns[r].number], work.unknowns[r].kind >= REACTION_X_ROW
         if constraint:
@@ -242,10 +246,10 @@ def factor_matrix(state, work, n, h, renewed):
 
 @kernel
 def correct_loads(model, state, work, n, h, renewed):
-    """Correct the loads once by Newton's method, with a new matrix if `renewed` or a load's law changed its branch.
+    """Correct the loads once by Newton's method, with a new matrix if `renewed` or if a load's law changed branch.
 
-    Return the greatest change of an unknown, and the greatest change of a torque that is no unknown, divided by their
-    tolerances. Both are infinite if the matrix is singular or a change is not finite.
+    Return the greatest change of the `n` unknowns, and the greatest change of a torque that is no unknown, divided by
+    their tolerances. Both are infinite if the matrix is singular or a change is not finite.
     """
     size = apart = total = splat4(0.0)
     changed = greatest_lane(torque_laws(model, state, work) + contact_laws(model, state, work, n))
@@ -272,7 +276,7 @@ def correct_loads(model, state, work, n, h, renewed):
 
 @kernel
 def furthest_off(model, work, n):
-    """Return the joint whose load the last correction changed most, relative to its tolerance; -1 if it is zero."""
+    """Return the joint whose load among `n` unknowns was corrected most relative to tolerance; -1 if no load was."""
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind

@@ -80,7 +80,7 @@ def effect_of_torque(model, tables, level, h, j):
 
 @kernel
 def list_unknown(model, work, r, kind, j, number):
-    """Enter load `number` of joint `j` as unknown `r` in `work.unknowns`; return the number of unknowns so far."""
+    """Enter load `number` of joint `j` in `work.unknowns` as unknown `r` of type `kind`; return the next index."""
     unknown, joint = work.unknowns[r], model.joints[j]
     unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, j, number, 2
     unknown.attachment[0], unknown.attachment[1] = joint.outboard, joint.inboard
@@ -89,7 +89,7 @@ def list_unknown(model, work, r, kind, j, number):
 
 @kernel
 def list_loop(model, work, r, kind, c, number):
-    """Enter load `number` of cable loop `c` as unknown `r` in `work.unknowns`; return the number of unknowns."""
+    """Enter load `number` of cable loop `c` in `work.unknowns` as unknown `r` of type `kind`; return the next index."""
     unknown = work.unknowns[r]
     unknown.kind, unknown.owner, unknown.number, unknown.faces = kind, c, number, FACES
     for face in range(FACES):
@@ -135,7 +135,7 @@ def list_rows(model, state, work, tables, level, h):
 
 @kernel
 def mark_blocks(work, n, h):
-    """Store which unknowns each block of Newton's matrix holds: all, or in short steps the unknowns of one joint."""
+    """Divide `n` unknowns into matrix blocks: by joint in short steps without loops or reactions, else one block."""
     apart = h < _APART
     for r in range(n):
         apart = apart and work.unknowns[r].faces < FACES and work.unknowns[r].kind < REACTION_X_ROW
@@ -167,7 +167,7 @@ def enter_load(model, work, number, fx, fy, torque, load):
 
 @kernel
 def fill_unit_loads(model, work, n):
-    """Compute in `work.unknowns` the unit loads on the bodies, in the bodies' frames at the last stage."""
+    """Compute in `work.unknowns` the loads on bodies per unit of each of `n` unknowns, in last-stage body frames."""
     for r in range(n):
         unknown = work.unknowns[r]
         if unknown.faces == FACES:
@@ -194,7 +194,7 @@ def fill_unit_loads(model, work, n):
 
 @kernel
 def add_scaled(sums, gain, motion):
-    """Return `sums`, one vector for the load at each stage, plus `gain` times a motion at the stages (BY_LOAD,)."""
+    """Return the three vectors `sums`, one for the load at each stage, plus `gain` times `motion` (BY_LOAD,)."""
     first, second, third = sums
     first, second = first + gain * load8(motion, 0), second + gain * load8(motion, COLUMNS)
     return first, second, third + gain * load8(motion, 2 * COLUMNS)
@@ -202,9 +202,10 @@ def add_scaled(sums, gain, motion):
 
 @kernel
 def add_shared(work, model, tables, level, number, reading, other, opposite, sums):
-    """Return `sums` plus one body's motion on which an unknown does work, per unit of the `other` unknown.
+    """Return `sums` plus one body's part of the motion on which an unknown does work, per unit of the `other` unknown.
 
-    The unit load `reading` at attachment `number` measures the motion. The other unknown acts at its face `opposite`.
+    The motion is measured by the unknown's unit load, `reading`, at attachment `number`. The other unknown acts on the
+    same body, at its own attachment with index `opposite`.
     """
     attachment, loaded = model.attachments[number], model.attachments[other.attachment[opposite]]
     body, load = model.bodies[attachment.body], other.load[opposite]

@@ -8,7 +8,7 @@ MOST_POINTS = 24  # most points of a table
 
 
 def require(condition: bool, owner: object, name: str, value: object, rule: str) -> None:
-    """Raise a ValueError that states `rule` unless `condition` holds for the quantity `name` of a description."""
+    """Raise a ValueError that states `owner`'s class, `name`, `value` and `rule`, unless `condition` holds."""
     if not condition:
         raise ValueError(f"{type(owner).__name__}.{name} = {value!r}: {rule}")
 

@@ -36,9 +36,9 @@ class Handle:
 
 
 def _describe(entry: Any, words: list[int], form: list[Any]) -> None:
-    """Append an entry's values in Numba's memory layout, 8 bytes each, to `words`, and its type's parts to `form`.
+    """Append the values of a number, array or tuple to `words`, in Numba's memory layout with 8 bytes per value.
 
-    The layout's field for the owner of an array stays zero.
+    A key that identifies their types is appended to `form`. The layout's field for an array's owner stays zero.
     """
     if isinstance(entry, tuple):
         form += (type(entry), len(entry))

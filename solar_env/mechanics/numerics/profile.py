@@ -25,7 +25,7 @@ _SHIFT, _REST = 2, 3
 
 
 class Elimination(NamedTuple):
-    """Elimination order of the unknowns (coordinates, row multipliers, length multipliers), and the matrix profile."""
+    """Elimination order of unknowns (coordinates, linear-constraint and length multipliers), and the matrix profile."""
 
     position: NDArray[np.int64]  # (unknowns,) position in the order; -1 for held unknowns
     empty: NDArray[np.int64]  # positions without an unknown
@@ -42,7 +42,7 @@ class ProfileMatrix(NamedTuple):
 
 
 def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int]]) -> Elimination:
-    """Return the elimination data for given positions, which may leave gaps, and for pairs of coupled unknowns."""
+    """Return elimination data from each unknown's `position`, which may leave gaps, and pairs of coupled unknowns."""
     blocks = int(position.max()) // BLOCK + 1 if position.size else 0
     first = np.arange(blocks)
     places = np.sort(position[np.array(couplings, dtype=np.int64).reshape(-1, 2)], axis=1)
@@ -79,7 +79,7 @@ def clear(elimination, matrix):
 
 @kernel
 def add_entry(elimination, matrix, i, j, value):
-    """Add `value` to the entry of unknowns `i` (row) and `j` (column); do nothing if one of the unknowns is held."""
+    """Add `value` to the entry of unknowns `i` (row), `j` (column); do nothing if one is held (not solved for)."""
     place, other = elimination.position[i], elimination.position[j]
     if place < 0 or other < 0:
         return
@@ -94,7 +94,7 @@ def add_entry(elimination, matrix, i, j, value):
 
 
 def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64]:
-    """Return a profile matrix as a dense array in order of the unknowns; held unknowns have zero rows and columns."""
+    """Return a profile matrix as a dense array by unknowns; rows and columns of held (unsolved) unknowns are zero."""
     unknowns, blocks = elimination.position.size, elimination.first.size
     lower, upper, diagonal = (array.reshape(-1, BLOCK, BLOCK) for array in matrix)
     ordered = np.zeros((blocks, blocks, BLOCK, BLOCK))
@@ -112,21 +112,21 @@ def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64
 
 @kernel
 def enter(x, place, value):
-    """Set entry `place` of a vector `x` (blocks, BLOCK) to `value`; do nothing if `place` is -1 (held unknown)."""
+    """Set entry `place` of a vector `x` (blocks, BLOCK) to `value`; do nothing for -1 (unknown not solved for)."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] = value
 
 
 @kernel
 def add_to(x, place, value):
-    """Add `value` to entry `place` of a vector `x` (blocks, BLOCK); do nothing if `place` is -1 (held unknown)."""
+    """Add `value` to entry `place` of a vector `x` (blocks, BLOCK); do nothing for -1 (unknown not solved for)."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] += value
 
 
 @kernel
 def taken(x, place):
-    """Return entry `place` of a vector `x` (blocks, BLOCK), or zero if `place` is -1, as for held unknowns."""
+    """Return entry `place` of a vector `x` (blocks, BLOCK), or zero if `place` is -1 (unknown not solved for)."""
     return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
 
 

@@ -25,7 +25,7 @@ class StepController(NamedTuple):
         least_share: least ratio of the next trial step to a rejected step.
         most_growth: greatest factor from one step to the next.
         least_growth: factor below which the step size is kept, for methods in which a change costs much.
-        memory: least ratio of the error in use to the previous step's error, for estimates that may pass through zero.
+        memory: an error counts as at least this fraction of the previous error, as estimates may pass through zero.
     """
 
     order: float

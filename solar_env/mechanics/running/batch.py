@@ -82,13 +82,13 @@ class Batch:
         return {name: value for name, value in vars(self).items() if name not in ("_threads", "address")}
 
     def __setstate__(self, values: dict[str, object]) -> None:
-        """Restore the attributes, and let the copied simulations share memory with the copied lanes again."""
+        """Restore the attributes, and let the copied simulations share memory with the batch's copied arrays."""
         vars(self).update(values)
         for lane, simulation in enumerate(self.simulations):
             simulation.move_to(lane_view(self.models, lane), lane_view(self.states, lane))
 
     def replace(self, lane: int, simulation: Simulation) -> None:
-        """Put another simulation into a lane; the previous simulation of the lane keeps a copy of its arrays.
+        """Replace the simulation with index `lane`; the previous simulation keeps a copy of its arrays.
 
         Raises:
             ValueError: if its integrator or the structure of its mechanism differs from the batch's.
@@ -108,7 +108,7 @@ class Batch:
         self._last_steps[lane] = 0
 
     def record(self, recorder: Recorder) -> None:
-        """Record samples and contacts of a batch of one lane in `recorder` from now on.
+        """Record samples and contacts of a batch of one lane (simulation) in `recorder` from now on.
 
         Raises:
             ValueError: if the batch has more lanes, whose samples would be mixed.
@@ -118,11 +118,11 @@ class Batch:
         self.recorder = recorder
 
     def advance(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
-        """Advance some lanes to their end times, and check their accuracy every 10,000 steps.
+        """Advance some lanes (simulations of the batch) to their end times; check their accuracy every 10,000 steps.
 
         Args:
-            lanes: (k,) indices of lanes, the simulations of the batch.
-            end_times: (lanes of the batch,) [s]; only the entries of `lanes` are used.
+            lanes: (k,) indices of the lanes to advance.
+            end_times: (all lanes,) [s]; only the entries of `lanes` are used.
 
         Raises:
             SimulationError: if a lane cannot go on; a note names the lane. That lane stays at its last accepted step;
@@ -139,20 +139,20 @@ class Batch:
             raise failures[lane]
 
     def attempt(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> dict[int, SimulationError]:
-        """Advance some lanes to their end times [s]; return the errors of lanes that cannot go on, by lane number."""
+        """Advance lanes (simulations) to their end times [s]; return the errors of lanes that cannot go on, by lane."""
         return self.run(advance_lanes, lanes, end_times)
 
     @cached_property
     def address(self) -> int:
-        """Address in this process at which compiled code calls `advance_lanes` for the lanes of this batch."""
+        """Address in this process at which compiled code calls `advance_lanes` for the simulations of this batch."""
         return address_of(advance_lanes, *self._arguments(0, np.zeros(0, np.int64)), np.zeros(0))
 
     def run(self, kernel: Callable, lanes: NDArray[np.int64], *further: Any) -> dict[int, SimulationError]:
-        """Run a kernel on some lanes (k,), as `attempt` runs `advance_lanes`; return the errors by lane number.
+        """Run a kernel on lanes (k,), indices of simulations, as `attempt` runs `advance_lanes`; return errors by lane.
 
-        The kernel takes the arguments of `advance_lanes` up to `statuses`, then `further` ones. Every lane's status is
-        DONE beforehand. The kernel is called again for lanes with status TOO_MANY_STEPS, or PAUSED because the contact
-        table is full.
+        The kernel takes the arguments of `advance_lanes` up to `statuses`, then the arguments `further`. Every lane's
+        status is DONE beforehand. The kernel is called again for lanes with status TOO_MANY_STEPS, or PAUSED because
+        the contact table is full.
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")] if lanes.size > 1 else lanes
         left, clock = self.integrator.max_steps, self.states.clock
@@ -180,7 +180,11 @@ class Batch:
         return {lane: self.simulations[lane].failure(int(self._statuses[lane])) for lane in failed}
 
     def _run_once(self, kernel: Callable, queue: NDArray[np.int64], further: tuple[Any, ...], threads: int) -> None:
-        """Call a kernel in `threads` threads that share one queue of lanes, and wait until all calls have returned."""
+        """Call a kernel once in each of `threads` threads, and wait until all calls have returned.
+
+        Each call takes lanes (indices of simulations in the batch) from the shared `queue` until no lane is left.
+        `further` holds the kernel's arguments beyond those that `_arguments` returns.
+        """
         self._counter[0] = 0
         start = time.perf_counter()
         helpers = [self._pool.submit(kernel, *self._arguments(thread, queue), *further) for thread in range(1, threads)]
@@ -195,7 +199,7 @@ class Batch:
         self._work_expected = threads * (time.perf_counter() - start)
 
     def _arguments(self, thread: int, queue: NDArray[np.int64]) -> tuple[Any, ...]:
-        """Return the arguments of `advance_lanes` up to `statuses`, for one thread and a queue of lanes."""
+        """Return the arguments of `advance_lanes` up to `statuses`, for a thread and a queue of lanes (simulations)."""
         return (
             *self.handles,
             self._settings,

@@ -39,7 +39,7 @@ def shortcomings(run: Any) -> dict[str, str]:
 
 
 def energy_shortcoming(run: Any) -> str:
-    """Return a warning if the energy balance is off by over 1 % of the energy turned over, else an empty text."""
+    """Return a warning if the energy balance is off by over 1 % of the energy stored and lost, else an empty text."""
     residual, turnover = run.energy_book()
     if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:  # false for NaN
         return ""

@@ -200,7 +200,7 @@ class Simulation:
 
     @cached_property
     def _lane(self) -> tuple[Handle, Handle, dict[str, Handle]]:
-        """Handles (addresses for compiled code): model and state as a batch of one, scratch arrays by method name."""
+        """Handles (addresses for compiled code) of model and state as a batch of one; scratch arrays by method."""
         return Handle(with_lane_axis(self.model)), Handle(with_lane_axis(self.state)), {}
 
     def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:
@@ -261,8 +261,8 @@ class Simulation:
     def constraint_force_defect(self) -> tuple[float, float]:
         """Return the greatest error of the multipliers that hold the constraints, and the greatest force [N].
 
-        The greatest force is at least the run's energy turnover divided by the longest body's length: otherwise one
-        rounding error would be compared with another.
+        The greatest force counts as no less than the energy turned over (`energy_book`), divided by the longest body's
+        length: otherwise one rounding error would be compared with another where forces vanish.
         """
         defect, largest = self.formulation.constraint_force_defect(self.model, self.state)
         return defect, max(largest, float(self.energy_book()[1] / self.model.length_scale))

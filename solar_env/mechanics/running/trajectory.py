@@ -41,10 +41,10 @@ class Trajectory:
         eccentricity: (nt, nj, 2) journal centre minus bearing centre; zero for ideal joints.
         penetration: (nt, nj) eccentricity minus clearance; negative is a gap.
         normal_force, tangential_force: (nt, nj) contact force on the journal; for an ideal joint, the reaction's
-            magnitude and zero. Samples inside linearly implicit steps are interpolated. After changes of the motor
-            torque they may show up to 10 N for a journal that leans on its bearing with 0.2 N, in 0.02 % of the time of
-            quiet deployments. Samples inside steps of modal-radau follow the step's polynomial. Peak forces and
-            integrals are free of that error.
+            magnitude and zero. Samples inside linearly implicit steps are interpolated: after a change of motor
+            torque, they may show up to 10 N where a journal leans on its bearing with 0.2 N (in 0.02 % of the time of
+            quiet deployments). Samples inside steps of modal-radau follow the step's polynomial. Peak forces and
+            integrals are free of these errors.
         joint_force: (nt, nj, 2) force on the outboard body.
         spring_torque, cable_torque, latch_torque, motor_torque, harness_torque, damping_torque, hinge_friction_torque:
             (nt, nj) torques on the joint angle; the latch torque is the torque of all stops.
@@ -61,13 +61,13 @@ class Trajectory:
         peak_latch_torque: (nj,) greatest torque of the latch, or of the stop at the lock angle [N m], at the ends of
             all accepted steps.
         peak_force, postlock_peak_force: (nj,) greatest force in all accepted steps; post-lock counts from the first
-            latching. With flexible panels and ideal joints the peak force has no limit: springs that act suddenly send
-            a wave into the panels, and finer panels give a greater reaction in the wave's first tenth of a millisecond.
+            latching. With flexible panels and ideal joints the peak force does not converge as panels are refined:
+            springs that act suddenly send a wave into them, whose reaction in the first 0.1 ms grows with refinement.
         postlock_impulse, postlock_sliding_work: (nj,) impulse and sliding work since the first latching.
         contact_starts: (nj,) number of contacts that began.
         clearance, journal_radius: (nj,) zero for ideal joints.
         metadata: model, integrator, counts of steps and evaluations, wall time, parameters. `stability_bound_steps`
-            counts steps that the explicit method's stability on flexible bodies bounded. `slow_contacts` counts
+            counts steps that the explicit method's stability on flexible bodies limited. `slow_contacts` counts
             contacts that began below the minimum impact speed and bounce too much. `creeping_share` is the fraction of
             samples in contact at which the surfaces crept on the friction ramp, where Coulomb's law might stick.
     """
@@ -116,8 +116,8 @@ class Trajectory:
     def energy_put_in(self) -> float:
         """Energy [J] in springs, cables and motion at t = 0, plus the energy that motor, cable, drives and loads added.
 
-        Energy that a source took out by the end does not count. A tabulated torque, whose stored energy is 0 at first,
-        counts with the energy that it gave.
+        A source that has taken out energy by the end counts as zero. A stored energy that becomes negative, as a
+        tabulated torque's may, counts from its lowest value.
         """
         stored = sum(float(self.energies[name][0] - min(self.energies[name].min(), 0.0)) for name in _STORED)
         return stored + sum(max(float(self.energies[name][-1]), 0.0) for name in _PUT_IN)
@@ -235,7 +235,7 @@ def _check(values: dict[str, Any]) -> None:
 
 
 def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return two dictionaries of energies [J], put in and lost since t = 0, by name in `Trajectory`, from integrals."""
+    """Return two dictionaries, energies [J] put in and lost since t = 0 (keys as in `Trajectory`), from `integrals`."""
     totals = m.joint_integrals(integrals).sum(axis=-2)
     by_torques: list[dict[str, Any]] = [
         {law.book: totals[..., law.integral] for law in columns.TORQUES if law.book and law.lost == lost}

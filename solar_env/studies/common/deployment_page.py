@@ -29,7 +29,7 @@ _DASHES = ("solid", "dash", "dot")
 
 
 def shown_samples(trajectory: Trajectory) -> Samples:
-    """Return indices of the samples that a page shows: 50 ms apart, and 5 ms from 0.1 s before the first latching."""
+    """Return indices of the samples that a page shows: every 50 ms; every 5 ms from 0.1 s before the first latching."""
     latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
     begin = latched.min() - _MARGIN if len(latched) else np.inf
     step = np.where(trajectory.time < begin, _SLOW, _FAST)
@@ -40,7 +40,7 @@ def shown_samples(trajectory: Trajectory) -> Samples:
 def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
     """Return each joint's greatest contact force [N] from each sample index in `kept` to the next, as (kept, joints).
 
-    Samples may miss a contact's peak. Its recorded peak force counts, too, at the contact's sample of greatest force.
+    Samples may miss a contact's peak. The contact's recorded peak force therefore replaces its greatest sampled force.
     """
     forces, contacts = trajectory.normal_force.copy(), trajectory.contacts
     begins = np.maximum(np.searchsorted(trajectory.time, contacts["start_s"]) - 1, 0)
@@ -70,7 +70,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
 
 
 def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
-    """Return the main body's corners (kept, 4, 2) and each panel's axis (kept, points, 2) [m] at the samples `kept`."""
+    """Return the main body's corners (kept, 4, 2) and a list of panel axes (kept, points, 2) [m] at samples `kept`."""
     parameters, model = compiled(trajectory)
     bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
     axes = [centreline(model, trajectory.coordinates[kept], body, 1) for body in bodies]
@@ -78,13 +78,13 @@ def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
 
 
 def _motors(trajectory: Trajectory) -> Array:
-    """Return the (nt, motors) torques [N m] of the motors that ever acted, or else of the root joint's motor."""
+    """Return the (nt, motors) torques [N m] of all motors that ever acted; if no motor did, of the root joint's."""
     turned = np.flatnonzero(trajectory.motor_torque.any(axis=0))
     return trajectory.motor_torque[:, turned if len(turned) else [0]]
 
 
 def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
-    """Return a film's frames from a trajectory, one every `interval` [s], each with the peak forces up to its time."""
+    """Return a film's frames, one every `interval` [s]; each has the peak forces of all frame intervals before it."""
     times = np.arange(0.0, trajectory.time[-1] + 0.5 * interval, interval)
     kept = np.minimum(np.searchsorted(trajectory.time, times - 1e-9), len(trajectory.time) - 1)
     body, panels = _lines(trajectory, kept)
@@ -111,7 +111,7 @@ def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
 
 
 def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -> Table:
-    """Return a collapsible table of all parameters with values and units, and with `ranges`, if any, for sampling."""
+    """Return a collapsible table of all parameters: value, unit and, if in `ranges`, the range that runs sample."""
     known, drawn = units(), ranges or {}
     columns = ("parameter", "value", "unit", *(("drawn between",) if drawn else ()))
     rows = []
@@ -193,13 +193,13 @@ def _greatest(read: Callable[[Trajectory], Array]) -> Reading:
 
 
 def greatest_in_windows(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return the start times [s] of 0.2 s windows, and the greatest of all (n, joints) values in each, (windows, 1)."""
+    """Return start times [s] of 0.2 s windows, and the (windows, 1) maxima of `values` (n, joints) over all joints."""
     starts = np.flatnonzero(np.diff(np.floor(time / _WINDOW + 1e-6), prepend=-1.0))
     return time[starts], np.maximum.reduceat(values.max(axis=1, keepdims=True), starts)
 
 
 def _energies(trajectory: Trajectory, kept: Samples) -> Array:
-    """Return (kept, 4) energies [J] at the sample indices `kept`: kinetic, spring, all stored and dissipated energy."""
+    """Return (kept, 4) energies [J] at the sample indices `kept`: kinetic, spring, total stored, total dissipated."""
     energies = trajectory.energies
     stored, lost = (np.sum([energies[part] for part in parts], axis=0) for parts in (STORED, DISSIPATED))
     return np.column_stack([energies["kinetic"], energies["spring"], stored, lost])[kept]
@@ -212,7 +212,7 @@ def _worn(trajectory: Trajectory) -> tuple[Array, Array]:
 
 
 def _on_scale_of_forces(chart: Chart) -> Chart:
-    """Return a force chart with the films' logarithmic axis, to show soft and hard impacts; zeros lie below it."""
+    """Return a chart of forces with the films' logarithmic force axis; zeros are drawn below the axis's lower limit."""
     low, high = (10.0**decade for decade in FORCE_DECADES)
     limits = low, max(high, *(1.1 * float(line.y.max()) for line in chart.lines))
     lines = [replace(line, y=np.maximum(line.y, 0.63 * low)) for line in chart.lines]

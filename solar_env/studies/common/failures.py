@@ -6,7 +6,7 @@ LARGEST_SHARE = 0.1
 
 
 def told(failures: Mapping[str, str], runs: int) -> str:
-    """Return a sentence on which of `runs` runs failed and why; `failures` maps names to reasons; empty if all ran.
+    """Return a sentence on the failures (name of the run -> reason) among `runs` runs; it is empty without failures.
 
     Raises:
         ValueError: if more than a tenth of the runs failed, because the remaining runs would be a biased sample.

@@ -116,7 +116,7 @@ class Level:
         return f"{self.panels.name}, {self.size}" if self.panels.flexible else self.panels.name
 
     def integrator(self, member: int = 0) -> RungeKutta:
-        """Return the model's default integrator with this level's tolerance, slightly varied for a member above 0."""
+        """Return the default integrator with this level's tolerance, varied by 0.3 % at most if `member` is not 0."""
         default = default_integrator(self.model)
         return replace(default, rtol=perturbed_setting(default.rtol, member) / self.tighter)
 

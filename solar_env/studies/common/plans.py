@@ -37,7 +37,7 @@ SHORT_LEVELS = (
 
 @dataclass(frozen=True)
 class ChartPlan:
-    """Deployments that are simulated for the charts, and numbers of settings, repeats and ensemble members."""
+    """Plan of the charts of speed against accuracy: deployments to simulate, settings, repeats and ensemble sizes."""
 
     models: tuple[str, ...] = MODELS
     parameters: ArrayParameters = PARAMETERS
@@ -52,7 +52,7 @@ class ChartPlan:
     side_duration: float = 30.0  # duration of the deployments that are timed side by side [s]
 
     def deployment(self, model: str) -> Scene:
-        """Return the record of a model's deployment to simulate; the deployment ends shortly after the latching."""
+        """Return a deployment at model level `model` with this plan's panels; it ends shortly after the latching."""
         return Scene(with_panels(model, self.panels), self.parameters, self.duration, self.before_latch / 120.0)
 
 

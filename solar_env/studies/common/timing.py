@@ -1,4 +1,4 @@
-"""Timing of a study's runs: each once, then each again, so that disturbances of the machine affect all alike."""
+"""Timing of a study's runs in rounds: every run once a round, so that disturbances of the machine affect all alike."""
 
 import math
 import statistics
@@ -27,7 +27,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Measured:
-    """Result of repeating one run: the first motion and all wall times [s], or the reason for a failure."""
+    """Result of a run and its repeats: the first run's motion and all wall times [s], or the reason for a failure."""
 
     motion: Motion | None = None
     walls: tuple[float, ...] = ()

@@ -68,7 +68,7 @@ def quantity_name(text: str) -> str:
 
 @dataclass(frozen=True)
 class Change:
-    """Parameter and its range; with `factor`, `low` and `high` multiply present values that differ between joints."""
+    """Parameter and its range; if `factor`, the range is of a factor on present values, which differ between joints."""
 
     name: str
     low: float
@@ -105,10 +105,10 @@ class DesignPlan:
     """Question that a design study answers.
 
     Attributes:
-        array: Parameters, and ranges from which some are sampled.
-        change: Ranges (low, high), by name, of the parameters that may change; None for the usual range.
-        keep: Conditions that must hold at the joint where the quantity is greatest.
-        least: Quantity to minimise, at the joint where it is greatest.
+        array: Nominal parameters, and ranges from which ensemble members sample some of them.
+        change: Name of each parameter that the study may change -> range (low, high), or None for the usual range.
+        keep: Conditions on quantities, each to hold at the joint where its quantity is greatest.
+        least: Name of the quantity to minimise, at the joint where it is greatest.
         members: Number of ensemble members (runs) that are simulated for a design.
         points: Number of designs to try.
 
@@ -138,7 +138,7 @@ class DesignPlan:
 
     @cached_property
     def changes(self) -> tuple[Change, ...]:
-        """The parameters that may change, with given or usual ranges."""
+        """The parameters that the study may change, with ranges from `change`, or usual ranges where it has None."""
         return tuple(_change(self.array.parameters, name, given, self.deadline) for name, given in self.change.items())
 
     @property
@@ -167,7 +167,7 @@ class DesignPlan:
         )
 
     def today(self) -> dict[str, float]:
-        """Return the present values, by name, of the parameters that may change; 1 if changed by a factor."""
+        """Return the present values, by name, of the parameters that may change; 1 for those changed by a factor."""
         return {
             change.name: 1.0 if change.factor else float(self.array.parameters.entries(change.name)[0])
             for change in self.changes

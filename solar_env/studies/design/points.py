@@ -28,8 +28,8 @@ class Point:
 
     Attributes:
         values: Values, by name, of the parameters that may change.
-        figures: By quantity, the mean over the ensemble members of the greatest magnitude among the joints, in the
-            printed unit; nan if a member failed.
+        figures: Name of each quantity -> its greatest magnitude among the joints, averaged over the ensemble, in the
+            printed unit; nan if the design was refused, or a run failed or did not latch.
         scatter: Standard error of the mean of the quantity to minimise.
         failing: Reason why the design is not acceptable; empty if it is.
         excess: Sum of `Condition.excess` over all conditions; inf if the quantities are unknown.
@@ -70,9 +70,9 @@ class Bench:
         return self.finest, f"no cheaper one is within {TOLERANCE:.0%} of it"
 
     def measured(self, asked: Sequence[tuple[Mapping[str, float], Level, int]], what: str = "") -> list[Point]:
-        """Simulate designs, each given as (values, level, number of ensemble members to skip), and return their points.
+        """Simulate designs given as (parameter values, model level, number of members to skip); return their points.
 
-        `what` labels a progress bar; without a label there is no bar.
+        Members are the runs of a design's ensemble. `what` labels a progress bar; without a label there is no bar.
         """
         cells: list[list[Cell]] = []
         for values, level, first in asked:

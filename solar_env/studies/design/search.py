@@ -92,7 +92,7 @@ def row_of(plan: DesignPlan, point: Point) -> Row:
 
 
 def answer(design: Design) -> list[str]:
-    """Return sentences on the best design beside the present array, the failing designs, and the underlying runs."""
+    """Return sentences that compare the best design with the present array, and tell of failing designs and runs."""
     plan, best, confirmed = design.plan, design.best, design.confirmed
     least, labels = QUANTITIES[plan.least], {change.name: change.label for change in plan.changes}
     lines = []

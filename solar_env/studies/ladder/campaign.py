@@ -49,7 +49,7 @@ CONTROLLERS = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """Answers and cost of one ensemble member: from one run, or from one run under each controller."""
+    """One ensemble member's answers to the ladder's questions, and their cost; from a run, or a run per controller."""
 
     answers: dict[str, Array]  # question -> (k, d): k quantities, each a vector of d components
     wall: float  # time taken [s]
@@ -109,7 +109,7 @@ def control(level: Level, member: int, window: float) -> Outcome:
 
 
 def _drive(simulation: Simulation, torque: float, start: float, window: float) -> None:
-    """Apply a motor torque [N m] from `start` [s] on; simulate to `window` [s] after the last latching, or deadline."""
+    """Simulate to `window` [s] after the last latching, or the deadline, with motor `torque` [N m] from `start` [s]."""
     if start > 0.0:
         simulation.advance(start)
     simulation.set_motor_torque(TASK.driven_joints[0], torque)
@@ -122,7 +122,7 @@ def _drive(simulation: Simulation, torque: float, start: float, window: float) -
 
 @dataclass(frozen=True)
 class LadderPlan:
-    """Extent of the ladder's measurement: model levels, numbers of ensemble members, and durations."""
+    """Plan of measuring the model levels from coarse to fine: levels, numbers of ensemble members, and durations."""
 
     panels: tuple[str, ...] = (
         *(f"{elements} elements" for elements in (1, 2, 4, 6, 12)),
@@ -143,7 +143,7 @@ class LadderPlan:
 
     @property
     def runs(self) -> list[tuple[Level, int, bool]]:
-        """Runs (level, ensemble member, True under controllers), by member, so that disturbances affect all levels."""
+        """Runs (level, ensemble member, True under controllers); levels alternate, so that disturbances affect all."""
         return [
             (level, member, controlled)
             for most, controlled in ((self.members, False), (self.controlled_members, True))
@@ -187,7 +187,10 @@ def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
 
 
 def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
-    """Return a level's error for `question` against the same reference members, and the half-width of its 95 % band."""
+    """Return the error of a model level for a question of the ladder, and the half-width of the error's 95 % band.
+
+    `found` are the level's ensemble members; they are compared with the same members of the level `reference`.
+    """
     level, other = (np.stack([run.answers[question] for run in runs]) for runs in (found, reference[: len(found)]))
     if question == RANKING:
         return ranking_error(level, other)
@@ -199,7 +202,7 @@ def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcom
 
 
 def measure_ladder(plan: LadderPlan, path: Path, console: Console) -> None:
-    """Run a plan's simulations, and write errors and costs to the table `path`; `FULL` takes a quarter of an hour."""
+    """Run a plan's simulations, and write errors and costs to the table `path`; the plan FULL takes 15 minutes."""
     with counting_bar(console) as progress:
         methods = [level.integrator().name for level in plan.levels]
         task = progress.add_task(f"loading kernels{compilation_note(methods)}", total=len(plan.runs))
@@ -241,7 +244,7 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
 
 
 def _widening(count: int) -> float:
-    """Return the widening factor of a bootstrap band: Student's / normal quantile * sqrt(n / (n - 1)); 1 for n = 1."""
+    """Return a band's widening factor (t quantile / normal quantile) * sqrt(n / (n - 1)), n = `count`; 1 if n = 1."""
     if count == 1:
         return 1.0
     share = 0.5 * (1.0 + _COVERAGE)
@@ -249,10 +252,10 @@ def _widening(count: int) -> float:
 
 
 def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
-    """Return the discordant fraction of controller pairs, and the half-width of a 95 % band.
+    """Return the fraction of controller pairs that a level ranks unlike the reference, and its 95 % band's half-width.
 
-    A pair ranked oppositely is discordant (M. G. Kendall, Biometrika 30 (1938) 81); a tie at either level counts half.
-    `level` and `reference` are (n, controllers, measures) for the same n members; every measure is a separate ranking.
+    Oppositely ranked pairs count fully (M. G. Kendall, Biometrika 30 (1938) 81), ties half. `level` and `reference` are
+    (n, controllers, quantities) results of the same n ensemble members; the mean of every quantity gives a ranking.
     """
     share = float(discordant_share(level.mean(axis=0), reference.mean(axis=0)))
     resampled = discordant_share(resampled_means(level), resampled_means(reference))
@@ -260,7 +263,7 @@ def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
 
 
 def discordant_share(level: Array, reference: Array) -> Array:
-    """Return the (...) fractions of controller pairs that two (..., controllers, measures) tables rank oppositely."""
+    """Return the (...) fractions of controller pairs that two (..., controllers, quantities) tables rank oppositely."""
     first, second = np.triu_indices(reference.shape[-2], k=1)
     signs = [np.sign(table[..., first, :] - table[..., second, :]) for table in (level, reference)]
     return np.asarray((1.0 - signs[0] * signs[1]).mean(axis=(-2, -1)) / 2.0)

@@ -1,4 +1,4 @@
-"""Plot of the ladder, from its table alone: for each question, cost against error, and the cheapest level."""
+"""Plot of the ladder of model levels, from its table: for each question, cost against error, and the cheapest level."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,7 +21,7 @@ _NOTE = (
 
 
 def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
-    """Plot every level's wall time divided by the reference's against its error, for each question; return the file."""
+    """Plot each level's cost (wall time over the reference's) against its error, for each question; return the file."""
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {_size(answer): look_of(_size(answer), LEVEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
@@ -40,7 +40,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
 
 
 def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
-    """Return a title with the cheapest panels for each question within _TOLERANCE, and the unanswered questions."""
+    """Return a title: the cheapest panels that answer each question within _TOLERANCE, and the unanswered questions."""
     chosen: dict[str, list[str]] = {}
     for question in asked:
         within = [answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE]

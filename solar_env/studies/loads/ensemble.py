@@ -39,7 +39,7 @@ GEOMETRIES = {
 
 @dataclass(frozen=True)
 class LoadsPlan:
-    """Plan of an ensemble: the array, the model level, and the number and extent of the runs.
+    """Plan of an ensemble of deployments: the array, the model level, the number of runs, and when the runs end.
 
     Raises:
         ValueError: on construction, for a value out of range, or for ideal joints, which have no impacts.
@@ -64,7 +64,7 @@ class LoadsPlan:
 
     @cached_property
     def forms(self) -> Mapping[str, ParameterFile]:
-        """The array with contact laws of other geometries; keys name the touching bodies. Refused laws are left out."""
+        """The array with contact laws for other geometries (bodies in contact -> array); refused laws are left out."""
         own = self.array.parameters.contact_law
         own = own if own in GEOMETRIES else next(iter(GEOMETRIES))
         ranges = {name: pair for name, pair in self.array.randomize.items() if name != "contact_stiffness"}
@@ -78,12 +78,12 @@ class LoadsPlan:
 
     @property
     def asked(self) -> tuple[tuple[Level, ParameterFile], ...]:
-        """Runs of each member as (level, array): chosen level, finest level, chosen level with other contact laws."""
+        """An ensemble member's runs (level, array): chosen level, finest level, chosen one with other contact laws."""
         level, finest = self.levels
         return (level, self.array), (finest, self.array), *((level, form) for form in self.forms.values())
 
     def cell(self, level: Level, parameters: ArrayParameters, ranges: Ranges, member: int) -> Cell:
-        """Return the record of a run's arguments for `run_member`, with values for JSON."""
+        """Return a run's description, the argument of `run_member`, as a record that JSON can hold."""
         return {
             "model": level.model,
             "tighter": level.tighter,
@@ -101,7 +101,7 @@ class LoadsPlan:
 
 
 def run_member(cell: Cell) -> dict[str, object]:
-    """Simulate the run that `cell` describes; return quantities, spectra and warnings, or the failure, all for JSON."""
+    """Simulate the run that `cell` describes; return quantities, spectra and warnings, or the failure, for JSON."""
     level = Level(cell["model"], cell["tighter"])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SimulationWarning)  # of parameters: the command has told of them
@@ -123,7 +123,7 @@ def run_member(cell: Cell) -> dict[str, object]:
 
 @dataclass(frozen=True)
 class Loads:
-    """Results of an ensemble of deployments."""
+    """Results of an ensemble of deployments: statistics, shock spectra, warnings, failures and sensitivities."""
 
     plan: LoadsPlan
     figures: Mapping[str, tuple[Figure, ...]]  # quantity -> statistics for each joint, or one for the hub
@@ -168,10 +168,10 @@ def _never(plan: LoadsPlan, where: str) -> str:
 
 
 def gathered(plan: LoadsPlan, results: Sequence[Result], singles: Mapping[Shift | None, Result]) -> Loads:
-    """Compute statistics and sensitivities from `results`, ordered by member and then as `LoadsPlan.asked`.
+    """Compute statistics and sensitivities from `results`, ordered by ensemble member, then as in `LoadsPlan.asked`.
 
-    A member with a failed run is left out. `singles` has results of the nominal array (None), and of arrays with one
-    parameter shifted.
+    A member with a failed run is left out. `singles` has the result of the nominal array (key None), and of each array
+    with one parameter shifted (key: parameter and factor); it is empty if the members sample parameters.
 
     Raises:
         ValueError: if no run latches all joints, or too many runs have failed.

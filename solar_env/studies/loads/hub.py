@@ -30,7 +30,10 @@ def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: A
 
 
 def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
-    """Return the (nt, 3) force [N] and torque about the centroid [N m] of the root hinges on a hub fixed at `place`."""
+    """Return the (nt, 3) load, force [N] and torque about the hub's centroid [N m], of the root hinges on a fixed hub.
+
+    `place` holds the (nt, 3) position of the hub's centroid [m] and angle of the hub [rad].
+    """
     total, (c, s) = np.zeros((len(place), 3)), (np.cos(place[:, 2]), np.sin(place[:, 2]))
     for root in (joint for joint in parameters.joints if joint.inboard == MAIN_BODY):
         k, x, y = root.index, root.side * parameters.hinge_x, parameters.hinge_y

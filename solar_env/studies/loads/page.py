@@ -1,4 +1,4 @@
-"""Web page of an ensemble: results in words, animated nominal deployment, modes, spectra, bars of sensitivities."""
+"""Web page on an ensemble of deployments: results in words, animation, vibration modes, spectra and sensitivities."""
 
 from collections.abc import Iterator, Sequence
 
@@ -24,7 +24,7 @@ _BARS = 8  # greatest number of parameters in a chart of sensitivities
 
 
 def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
-    """Return the page of an ensemble and its nominal deployment; `before` adds to the results, `notes` come last."""
+    """Return an ensemble's web page with its nominal deployment: sentences (with `before`), charts, tables, `notes`."""
     name = f"Nominal array, {loads.plan.levels[0].name}"
     charts = [
         *charts_of({name: nominal.trajectory}),

@@ -23,9 +23,9 @@ _TOLD = 3  # greatest number of parameters stated for a quantity
 
 
 def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
-    """Return sentences on the loads that size hinges and hub, pin force, momentum, wear, sensitivities and their basis.
+    """Return sentences on latch torque, hub motion, pin force, momentum, wear, hub loads, sensitivities, and the runs.
 
-    The lines `before`, known before the runs (see `statics`), follow the first sentence. Each value comes with the
+    The sentences `before`, known without any run (see `statics`), follow the first. Each load comes with the 95 %
     interval of its mean; the quantities of `_STATED` also with their high quantile and discretisation error.
     """
     stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in _worst_of(loads, _STATED).items()}
@@ -72,13 +72,13 @@ def worst_joint(figures: Sequence[Figure]) -> int:
 
 
 def full_name(loads: Loads, quantity: str, joint: int) -> str:
-    """Return a quantity's printed name, with the joint's name unless it is of the hub; `joint` counts from 0."""
+    """Return a quantity's printed name, with the joint's name unless it is a hub quantity; `joint` counts from 0."""
     of_joint = f" of {loads.plan.array.parameters.joints[joint].name}" if quantity in JOINT_QUANTITIES else ""
     return f"{QUANTITIES[quantity].name}{of_joint}"
 
 
 def _forms(loads: Loads) -> str:
-    """State the peak pin force with the other contact laws, and its range over all contact laws."""
+    """State the peak pin force under each contact law besides the array's own, and the range over all contact laws."""
     if not loads.forms:
         return "model form unknown, for no other contact law takes this array"
     told, means = [], [loads.figures["peak_force"][worst_joint(loads.figures["peak_force"])].mean]
@@ -92,7 +92,7 @@ def _forms(loads: Loads) -> str:
 
 
 def _what_changes(loads: Loads) -> str:
-    """Return a sentence on the parameters that change the quantities of `_SIZING` most."""
+    """Return a sentence on the parameters that change latch torque, pin force and hub rotation (`_SIZING`) most."""
     found = loads.sensitivity
     if found.missing:
         return f"What changes the figures is not known: {found.missing} (--runs)."
@@ -111,7 +111,7 @@ def _what_changes(loads: Loads) -> str:
 
 
 def effect_text(effects: Effects, parameter: str) -> str:
-    """Format a parameter's effect: the regression coefficient with interval, or changes in per cent."""
+    """Format a parameter's effect: regression coefficient with interval, or changes [%] as it falls and rises."""
     low, high = effects.low[parameter], effects.high[parameter]
     if math.isfinite(effects.explained):
         return f"{0.5 * (low + high):+.2f} \u00b1 {0.5 * (high - low):.2f}"
@@ -119,14 +119,14 @@ def effect_text(effects: Effects, parameter: str) -> str:
 
 
 def sureness(effects: Effects) -> str:
-    """Return in words the variance fraction that a regression explains, or the size below which changes are scatter."""
+    """Return in words the variance fraction that a regression explains, or the size of changes that is mere scatter."""
     if math.isfinite(effects.explained):
         return f"{100.0 * max(effects.explained, 0.0):.0f} % of the variance explained"
     return f"below {shortened(100.0 * effects.noise)} % is scatter" if effects.noise > 0.0 else "scatter unknown"
 
 
 def _stated(figure: Figure, quantity: Quantity) -> str:
-    """State the mean with its interval, the high quantile with its bound, and the discretisation error."""
+    """State a quantity's mean with its interval, the high quantile with its bound, and the discretisation error."""
     parts, (quantile, bound), unit = [_with_interval(figure, quantity)], _quantiles(figure, quantity), quantity.unit
     if quantile != "-":
         parts.append(f"99 % of deployments stay below {quantile} {unit} (with 95 % confidence below {bound} {unit})")
@@ -205,7 +205,7 @@ def tables(loads: Loads) -> list[Table]:
 
 
 def _changes(loads: Loads) -> Iterator[Table]:
-    """Yield the table of the parameters that change each quantity most, at the joint where the quantity is greatest."""
+    """Yield a table, if effects are known: parameters that change a quantity most, at its joint of greatest mean."""
     ranks = ("most", "then", "then")
     rows = []
     for name, by_joint in loads.sensitivity.effects.items():
@@ -223,7 +223,7 @@ def _changes(loads: Loads) -> Iterator[Table]:
 
 
 def _joint_rows(loads: Loads, joint: int) -> Iterator[list[str]]:
-    """Yield the table rows of a joint's quantities; pin forces with the other contact laws follow the pin force."""
+    """Yield a joint's table rows, one per quantity; the pin force also has a row for each other contact law."""
     for name in JOINT_QUANTITIES:
         yield _row(QUANTITIES[name], loads.figures[name][joint])
         for contact, figures in loads.forms.items() if name == "peak_force" else ():

@@ -31,7 +31,7 @@ _CONTACTS = 100_000  # greatest number of contacts in a piece
 
 @dataclass(frozen=True)
 class Deployment:
-    """A simulated deployment until after the last latching; peak loads on a free hub are means over 50 microseconds."""
+    """A deployment, simulated past its last latching; peak loads on a free hub are means over 50 microseconds."""
 
     trajectory: Trajectory  # trajectory with a sample every millisecond
     place: Array  # (nt, 3) place of the hub's centroid [m] and angle of the hub [rad]
@@ -46,7 +46,7 @@ class Deployment:
 
 
 def member_parameters(parameters: ArrayParameters, ranges: Ranges, member: int) -> ArrayParameters:
-    """Return a member's parameters, sampled from `ranges`, with perturbed initial joint rates; member 0 is nominal."""
+    """Return a member's parameters: sampled from `ranges`, with perturbed initial joint rates; member 0 is nominal."""
     if member > 0:
         parameters = parameters.with_changes(drawn(ranges, np.random.default_rng([member, 2])))
     return perturbed(parameters, member)
@@ -98,7 +98,7 @@ class _Run:
         self.hub_spectrum = ShockSpectrum(FREQUENCIES, RATE, 1)
 
     def go_on(self, window: float, deadline: float) -> None:
-        """Simulate to `window` [s] after the last latching, or `deadline` [s]; sample finely after the first."""
+        """Run to `window` [s] after the last latching, or to `deadline` [s]; sample finely after the first latching."""
         simulation, joints = self.simulation, self.simulation.state.joints
         while simulation.time < deadline:
             before = simulation.snapshot()
@@ -125,7 +125,7 @@ class _Run:
         return recorder
 
     def _take(self, recorder: Recorder, stride: int) -> None:
-        """Update peaks and spectra from a piece's samples, `stride` * 50 us apart; keep one sample per millisecond."""
+        """Update peaks and spectra from new samples, `stride` * 50 us apart; keep one sample per millisecond."""
         self._contacts.append(recorder.contacts[: recorder.filled[1]].copy())
         table = recorder.samples
         if len(table) == 0:

@@ -77,7 +77,7 @@ def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayP
     """Return the nominal array (key None), and arrays with one continuous parameter times 1 - SHARE or 1 + SHARE.
 
     The key of a shifted array is (parameter, factor). Shifts that are refused, or change nothing in the model, are left
-    out; so are constants OF_THE_LAWS, and parameters that are 0.
+    out; so are the smoothing constants of force laws (OF_THE_LAWS), and parameters that are 0.
     """
     nominal = build(parameters, model)
     found: dict[Shift | None, ArrayParameters] = {None: parameters}
@@ -99,8 +99,8 @@ def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array
     """Return the effects of shifting one parameter at a time.
 
     Args:
-        runs: Result by shift; None is the nominal array.
-        alike: (members, joints) values of each quantity over members of the nominal array: their scatter is the noise.
+        runs: Shift (parameter, factor) -> result of the array with this parameter shifted; None -> the nominal array's.
+        alike: Quantity -> (members, joints) values in an ensemble of the nominal array, whose scatter is the noise.
     """
     nominal = runs[None]
     if "failed" in nominal:
@@ -156,7 +156,7 @@ def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mappi
 
 
 def _regressed(columns: Mapping[str, Array], y: Array) -> Effects:
-    """Return the standardised coefficients' intervals for a least-squares fit of `y` by `columns` (name -> values)."""
+    """Return 95 % intervals of standardised coefficients when `y` is regressed on `columns` (parameter -> values)."""
     known = np.isfinite(y)
     count, freedom = int(known.sum()), int(known.sum()) - len(columns) - 1
     unknown = dict.fromkeys(columns, np.nan)

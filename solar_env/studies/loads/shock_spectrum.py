@@ -31,7 +31,7 @@ def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALIT
 
 
 class ShockSpectrum:
-    """Oscillators' greatest responses to histories of planar vectors, one per channel, which are added piece by piece.
+    """Greatest responses of oscillators to planar vector histories, one per channel, which `add` takes piece by piece.
 
     The oscillators' natural frequencies (f,) [Hz] must lie below half the sample rate [1/s].
     """
@@ -48,7 +48,7 @@ class ShockSpectrum:
             self._add(k, history)
 
     def finish(self) -> Array:
-        """Add a natural period without load, and return the (f, channels) greatest magnitudes of response vectors."""
+        """Let each oscillator ring for a period without load; return (f, channels) greatest response magnitudes."""
         for k, period in enumerate(self._periods):
             self._add(k, np.zeros((period, *self.peaks.shape[1:], 2)))
         return self.peaks

@@ -1,4 +1,4 @@
-"""Properties of an array before any run: torque margins of its hinges, natural frequencies when deployed."""
+"""Properties of an array that need no simulation: torque margins of its hinges, natural frequencies when deployed."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ _SHOWN = 3  # modes shown per wing; with the hub held, mirrored wings have the s
 
 @dataclass(frozen=True)
 class Modes:
-    """First vibrations of the deployed array, latched without play.
+    """First vibration modes of the deployed array, whose ideal joints are held by springs as stiff as the latches.
 
     Attributes:
         frequencies: natural frequencies [Hz].
@@ -56,7 +56,7 @@ def first_modes(parameters: ArrayParameters, held: bool) -> Modes:
 
 
 def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> list[str]:
-    """Return two sentences: the hinges' torques relative to the required ones, and the deployed array's frequencies.
+    """Return two sentences: ratios of the hinges' driving to required torques, and natural frequencies when deployed.
 
     Raises:
         ValueError: `factors`, changes to the uncertainty factors FACTORS, has an unknown name or a value not above 0.

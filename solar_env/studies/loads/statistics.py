@@ -20,7 +20,7 @@ QUANTILE, CONFIDENCE = 0.99, 0.95
 
 @dataclass(frozen=True)
 class Figure:
-    """Statistics of a quantity over an ensemble; nan where the runs are too few or unsuitable."""
+    """Statistics of a quantity over an ensemble; nan where runs are too few, or values not positive (quantiles)."""
 
     mean: float
     low: float  # 95 % interval of the mean
@@ -38,7 +38,10 @@ class Figure:
 
 
 def figure_of(level: Array, finer: Array) -> Figure:
-    """Return the statistics of (n,) values at a level, and of the same members at a finer level; nan does not count."""
+    """Return the statistics of an ensemble's (n,) values at a model level; values of nan are left out.
+
+    `finer` has the same members' values at a finer level: the mean difference is the discretisation error.
+    """
     values, paired = (members[np.isfinite(members)] for members in (level, finer - level))
     error, low, high = _band(paired)
     return Figure(*_band(values), *high_quantile(values), error, 0.5 * (high - low), len(values))

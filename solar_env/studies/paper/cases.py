@@ -47,7 +47,7 @@ Changes = tuple[tuple[str, Value], ...]
 
 @dataclass(frozen=True)
 class CaseRun:
-    """A deployment to simulate: its name in CASES, the ensemble member, and parameters that differ from the preset."""
+    """A deployment to simulate: its name in CASES, the ensemble member, and changes to the `paper` preset."""
 
     case: str
     member: int = 0

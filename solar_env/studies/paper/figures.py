@@ -35,10 +35,10 @@ _TURN = 2.0 * math.pi / FOUR_BAR_RATE  # s; duration of a crank turn
 
 
 class FourBar(PaperFigure):
-    """Crank moment and rocker speed of the four-bar linkage in the last turn; journal wear after FOUR_BAR_TURNS."""
+    """Figure of the four-bar linkage: crank moment and rocker speed in the last turn, and wear by number of turns."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Simulate the linkage with clearance and, as 0 turns, without; return the table rows. `members` is unused."""
+        """Simulate the linkage with clearance, and without (as 0 turns); return the table rows. `members` is unused."""
         motions = {0: simulate_four_bar(1, with_clearance=False)}
         motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
         rows: list[Row] = []
@@ -72,7 +72,7 @@ class FourBar(PaperFigure):
 
 
 def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]:
-    """Return a curve's table rows, one per point, for values at `places`: times [s] or angles [deg]."""
+    """Return a curve's table rows, one per point: `values` of `quantity` at `places` (times [s] or angles [deg])."""
     pairs = zip(places.tolist(), values.tolist(), strict=True)
     return [{"quantity": quantity, "turns": turns, "place": place, "value": value} for place, value in pairs]
 

@@ -45,7 +45,7 @@ class PaperFigure(ABC):
     Attributes:
         number: number of the figure in the paper.
         title: content of the figure.
-        cases: names of the deployments needed; a `CaseFigure`'s second is the first with contact stiffness from Eq 40.
+        cases: names of the deployments needed; a `CaseFigure`'s second has the contact stiffness of the paper's Eq 40.
         ensemble: true if the figure shows median and range of an ensemble. Otherwise the figure shows the nominal
             run, for example because impacts strike at other times in every member.
     """
@@ -97,7 +97,7 @@ class DeploymentFigure(PaperFigure):
     """A figure of deployments, whose table has a column for each quantity."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return the table, rounded to nine digits; ensembles have medians, and columns `..._least`, `..._greatest`."""
+        """Return the table, rounded to nine digits; for ensembles medians, and columns `..._least`, `..._greatest`."""
         tables = [self._columns(member) for member in members]
         columns = tables[0]
         if self.ensemble:
@@ -116,7 +116,7 @@ class DeploymentFigure(PaperFigure):
 
 
 class CaseFigure(DeploymentFigure):
-    """A figure of one case, or of two cases side by side; column names of the second case begin with EQ_40."""
+    """A figure of one deployment, or of two side by side; the second's table columns begin with "eq_40_"."""
 
     def _columns(self, member: Member) -> dict[str, Array]:
         first, *others = (self._of(member[case]) for case in self.cases)
@@ -137,7 +137,7 @@ def _finish_time(axis: Axes, table: Table, label: str) -> None:
 
 
 def _draw_median(axis: Axes, table: Table, place: str, name: str, colour: str, **look: Any) -> None:
-    """Plot column `name` (medians) over column `place`, and shade the range from least to greatest value."""
+    """Plot column `name` (medians) against column `place`, and shade the range from least to greatest value."""
     places = table.column(place)
     axis.plot(places, table.column(name), color=colour, **look)
     least, greatest = (table.column(f"{name}_{end}") for end in ("least", "greatest"))
@@ -172,7 +172,7 @@ class Angles(CaseFigure):
 
 @dataclass(frozen=True)
 class JournalPath(CaseFigure):
-    """A figure of a journal's path in the three PHASES, with the times of their changes; `joint` counts from 0."""
+    """A figure of a journal's path in each of three PHASES, and its coordinates over time; `joint` counts from 0."""
 
     joint: int
 
@@ -285,7 +285,7 @@ class Wear(CaseFigure):
 
 @dataclass(frozen=True)
 class Models(DeploymentFigure):
-    """A figure of a joint quantity in the four MODELS, and of differences from the first model in each phase."""
+    """A figure of a joint quantity in the four MODELS, and of its differences from the first model, phase by phase."""
 
     quantity: str
     unit: str

@@ -1,6 +1,6 @@
-"""Quantities that test the paper's statements: functions of the trajectories that a claim names, in the same order.
+"""Quantities that test the paper's statements: functions of the trajectories that a claim names, in the claim's order.
 
-`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` combine quantities of one trajectory or joint.
+`ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` make such functions from simpler quantities.
 """
 
 import math
@@ -39,7 +39,7 @@ def ratio(figure: Figure) -> Comparison:
 
 
 def both(choose: Callable[[Iterable[float]], float], figure: Callable[..., float]) -> Callable[..., float]:
-    """Return a function of one or more trajectories: `choose`, such as `max`, of both joints' values of `figure`."""
+    """Return a function of trajectories: `choose`, such as `max`, applied to the values of `figure` for both joints."""
     return lambda *motions: choose(figure(*motions, joint=joint) for joint in JOINTS)
 
 
@@ -49,14 +49,14 @@ def joint_2_over_1(figure: FigureOfJoint) -> Figure:
 
 
 def over_joints(choose: Callable[[Iterable[float]], float], figure: FigureOfJoint) -> Comparison:
-    """Return a function of two trajectories: `choose` of both joints' ratios of `figure`, first divided by second."""
+    """Return a function of two trajectories: `choose` of both joints' ratios of `figure`, first over second motion."""
     return lambda motion, reference: choose(figure(motion, joint) / figure(reference, joint) for joint in JOINTS)
 
 
 def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
-    """Return a function of the trajectories with clearance distributions 1 and 2: a ratio of a joint's `figure`.
+    """Return a function of two trajectories, with clearance distributions 1 and 2: a ratio of the quantity `figure`.
 
-    The value at 0.2 mm clearance is divided by the value at 0.1 mm. Joint 1 has 0.2 mm in distribution 2, joint 2 in 1.
+    The joint's value at 0.2 mm clearance is divided by that at 0.1 mm. Distribution 1 has 0.1 mm at joint 1, 0.2 at 2.
     """
     return lambda one, two: figure((two, one)[joint], joint) / figure((one, two)[joint], joint)
 
@@ -116,7 +116,7 @@ def journal_angle(motion: Trajectory, joint: int) -> Array:
 
 
 def _maxima(time: Array, values: Array, edges: Array) -> Array:
-    """Return the (k,) greatest of the values, sampled at `time`, in each window; zero in windows without values."""
+    """Return the (k,) maxima of `values`, sampled at `time`, in windows between `edges` (k + 1,); 0 in empty ones."""
     greatest = np.zeros(len(edges) - 1)
     place = np.searchsorted(edges, time, side="right") - 1
     inside = (place >= 0) & (place < len(greatest))
@@ -181,12 +181,12 @@ def window_forces(motion: Trajectory) -> Array:
 
 
 def window_force(motion: Trajectory, joint: int) -> float:
-    """Return the mean of the greatest forces [N] in windows of 0.25 s after latching: the height that a plot shows."""
+    """Return the mean of the greatest forces [N] in 0.25 s windows after latching: about the height of a force plot."""
     return float(window_forces(motion)[joint].mean())
 
 
 def bursts(motion: Trajectory) -> float:
-    """Return the rank correlation of greatest contact force and latch torque, over 0.25 s windows after latching."""
+    """Return the rank correlation of peak contact force and summed latch torque in 0.25 s windows after latching."""
     edges = windows_after_latching(motion)
     torques = np.sum([greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
     return rank_correlation(window_forces(motion).max(axis=0), torques)
@@ -198,14 +198,14 @@ def synchrony(motion: Trajectory) -> float:
 
 
 def burst_rank(motion: Trajectory) -> float:
-    """Return the mean rank by contact force (0 weakest, 1 strongest) of the time windows with the paper's bursts."""
+    """Return the mean rank by contact force (0 weakest, 1 strongest) of time windows where the paper shows bursts."""
     edges, forces = windows_after_latching(motion), window_forces(motion).max(axis=0)
     ranks = forces.argsort().argsort() / (len(forces) - 1)
     return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
 
 
 def late_bursts(motion: Trajectory) -> float:
-    """Return both joints' greatest contact force after 27.5 s (LAST_BURSTS) divided by the greatest after latching."""
+    """Return the joints' greatest contact force after 27.5 s (LAST_BURSTS) divided by the greatest after latching."""
     edges = np.array([LAST_BURSTS, motion.time[-1]])
     return max(float(greatest_force(motion, joint, edges)[0]) for joint in JOINTS) / float(
         motion.postlock_peak_force.max()
@@ -257,8 +257,8 @@ def vibration(motion: Trajectory) -> float:
 def lag(reference: Trajectory, motion: Trajectory, joint: int) -> float:
     """Return the time [s] by which a joint's oscillation after latching lags the same oscillation of a reference.
 
-    The lag is the shift within LONGEST_LAG that maximizes the cross-correlation of the angles for LAGGING after each
-    run's last latching. A parabola through the maximum and its neighbours interpolates the lag between samples.
+    The lag is the shift up to 1 s (LONGEST_LAG) that maximizes the cross-correlation of the angles over 10 s (LAGGING)
+    after each run's last latching. A parabola through the maximum and its neighbours refines the lag.
     """
     step = float(motion.time[1] - motion.time[0])
     signals, late = [], []

@@ -1,6 +1,6 @@
-"""Sets of values for parameters that the paper leaves open, from `identification-shortlist.csv` and `-front.csv`.
+"""Sets of parameters that the paper leaves open, from `identification-shortlist.csv` and `identification-front.csv`.
 
-A search found the sets. Commit d3d47ea is the last with the search program. The page of this study has the results.
+A search found the sets; commit d3d47ea is the last with its program. The results are on this study's page.
 """
 
 from collections.abc import Mapping

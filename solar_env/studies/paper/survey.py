@@ -89,7 +89,7 @@ def judge(claim: Claim, motions: Motions) -> Finding:
 
 
 def _figures(claim: Claim, motions: Motions, members: Iterable[int], changes: Changes = ()) -> np.ndarray:
-    """Return the claim's quantity for each ensemble member, with the preset or with `changes` to the preset."""
+    """Return the claim's quantity for each of `members`, simulated with the `paper` preset or with `changes` to it."""
     return np.array(
         [claim.value({case: motions[CaseRun(case, member, changes)] for case in claim.cases}) for member in members]
     )

@@ -28,7 +28,7 @@ _ROTATIONS = ((-math.pi / 2, 1.0), (math.pi, -1.0))
 
 
 def build_peer(scene: Scene, implicit: bool) -> PeerArray:
-    """Return the Exudyn model of a scene's array; `implicit` allows constraints, which explicit solvers do not take."""
+    """Return the Exudyn model of a deployment's array; `implicit` allows constraints, which explicit solvers refuse."""
     p = scene.parameters
     if p.panel_count != 2 or max(p.entries("friction_speed_zero")) > 0.0:
         raise ValueError("the peer's objects express two panels, and friction that sets in at rest")
@@ -43,7 +43,7 @@ class RigidArray(PeerArray):
     """Exudyn model of the array with rigid bodies of three planar coordinates each."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return a pair of coordinate markers for the latch of each joint."""
+        """Add all parts but the latches to the system; return each joint's two coordinate markers for its latch."""
         p, system = self.p, self.system
         node, body = self.base()
         nodes, bodies = [node], [body]
@@ -77,7 +77,7 @@ class TreeArray(PeerArray):
     """Exudyn model of the array as a kinematic tree: three coordinates of the main body, and one for each hinge."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return a pair of coordinate markers for the latch of each joint."""
+        """Add all parts but the latches to the system; return each joint's two coordinate markers for its latch."""
         p, system = self.p, self.system
         joint = exudyn.JointType
         node = system.AddNode(
@@ -117,15 +117,15 @@ class TreeArray(PeerArray):
         return [(self.ground, marker) for marker in turned]
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Return the two joint angles [rad]; `values`: the tree's coordinates [rad] of hinges 1 and 2."""
+        """Return the two joint angles [rad]; `values`: rotations [rad] in hinges 1 and 2, coordinates of the tree."""
         return values[0], -values[1]
 
 
 class BeamArray(PeerArray):
-    """Exudyn model of the array with panels of cable elements in absolute nodal coordinates."""
+    """Exudyn model of the array with panels of cable elements in absolute nodal coordinates (ANCF)."""
 
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return a pair of coordinate markers for the latch of each joint."""
+        """Add all parts but the latches to the system; return each joint's two coordinate markers for its latch."""
         p, system, elements = self.p, self.system, self.scene.level.count
         base, body = self.base()
         length = self.panel.length / elements
@@ -183,7 +183,10 @@ class BeamArray(PeerArray):
         return first, np.where(second > 1.75 * math.pi, second - 2.0 * math.pi, second)
 
     def _torques(self, ends: Any, markers: list[tuple[int, int]]) -> list[int]:
-        """Add hinge springs and cable loop at the joints' `ends`; return markers of the joints' relative rotations."""
+        """Add hinge springs and cable loop; return the numbers of markers that measure the joints' relative rotations.
+
+        `ends` has each joint's bearing and journal points (body, x, y), `markers` the numbers of the points' markers.
+        """
         p, system = self.p, self.system
         rotations = []
         for j, (folded, sense) in enumerate(_ROTATIONS):
@@ -211,7 +214,7 @@ class BeamArray(PeerArray):
         return rotations
 
     def _rotation(self, inner: Any, outer: Any, folded: float) -> int:
-        """Add a marker of the rotation between two points (body, x, y) from the folded angle on; return its number."""
+        """Add a marker of the rotation between points (body, x, y), counted from `folded` [rad]; return its number."""
         data = items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1)
         marker = items.MarkerBodiesRelativeRotationCoordinate(
             bodyNumbers=[inner[0], outer[0]],

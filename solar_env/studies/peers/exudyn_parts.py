@@ -23,11 +23,11 @@ class PeerArray(ABC):
     """An array assembled as an Exudyn system.
 
     Attributes:
-        scene, p: the simulated scene, and the scene's parameters.
+        scene, p: the deployment to simulate, and its parameters.
         system: system to be solved.
         watched: coordinates that determine the joint angles, each as (node, index in the node, reference value).
         sensors: node -> sensors of the node's coordinates and of their rates.
-        contacts: sensors of the joints' contact forces; empty without clearance, or if the scene keeps no forces.
+        contacts: sensors of the joints' contact forces; empty without clearance, or if `scene.forces_kept` is false.
         latch_times: latch times of the joints [s], nan while open; written while the system is solved.
     """
 
@@ -48,7 +48,7 @@ class PeerArray(ABC):
 
     @abstractmethod
     def build(self) -> list[tuple[int, int]]:
-        """Add all parts except the latches; return a pair of coordinate markers for the latch of each joint."""
+        """Add all parts but the latches to the system; return each joint's two coordinate markers for its latch."""
 
     @abstractmethod
     def angles(self, *values: Value) -> tuple[Value, Value]:
@@ -70,7 +70,7 @@ class PeerArray(ABC):
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:
-        """Add torques of springs and cable loop on `nodes`; `to_angles` (2, n) turns coordinates into joint angles."""
+        """Add torques of springs and cable loop on `nodes`; `to_angles` (2, n) maps coordinates to joint angles."""
         p = self.p
         springs = [p.by_joint("spring_stiffness", j) for j in (0, 1)]
         relaxed = [p.by_joint("spring_preload_angle", j) for j in (0, 1)]
@@ -129,7 +129,7 @@ class PeerArray(ABC):
                 self.sensors[node] = place, rate
 
     def _add_latches(self, coordinates: list[tuple[int, int]]) -> None:
-        """Add a latch on each marker pair, and assemble all; a latch engages at the first step past the lock angle."""
+        """Add a latch to each marker pair; assemble the system. A latch engages at the first step past its angle."""
         system, latch_times, objects = self.system, self.latch_times, []
         locks = [joint.lock_angle for joint in self.p.joints]
         for j, pair in enumerate(coordinates):
@@ -167,7 +167,7 @@ class PeerArray(ABC):
 
 
 def _stop_expression(stop: Stop, lock: float) -> Callable[..., Value]:
-    """Return the torque function of a two-sided stop at coordinate `lock` [rad], for the equations' left-hand side."""
+    """Return an Exudyn user function: a two-sided stop's torque about `lock` [rad], on the equations' left side."""
     symbolic = exudyn.symbolic
 
     def one_side(depth: Value, closing_rate: Value) -> Value:

@@ -105,7 +105,7 @@ def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
 
 
 def _means(ensemble: list[Measured]) -> Row:
-    """Return table cells: number and median time of completed runs; means and standard errors of MEANS by joint."""
+    """Return an ensemble's table cells: number and median time of completed runs, means and standard errors."""
     ended = [(result.wall, result.motion.totals) for result in ensemble if result.motion is not None]
     count = len(ended)
     row: Row = {"runs": count, "wall_s": float(np.median([wall for wall, _ in ended])) if ended else math.nan}
@@ -118,7 +118,7 @@ def _means(ensemble: list[Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Plot wall times against errors (ideal joints) and means (clearance), write Markdown tables; return both files."""
+    """Plot wall times against errors (ideal joints) and ensemble means (clearance); write tables; return both files."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):
@@ -157,7 +157,7 @@ def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str)
 
 
 def conclusion(rows: Table) -> str:
-    """Return a title on whether the finest beams and modes have the same means, with their greatest difference."""
+    """Return a title on whether the finest beams and modes agree in ensemble means, and on the greatest difference."""
     beams, modes = (rows.where(family=kind).rows[-1] for kind in (ELEMENTS, MODES))
     found = [
         (*difference(beams, modes, f"{statistic}_{joint}"), f"{label.partition(' [')[0]} of joint {joint}")
@@ -175,7 +175,7 @@ def conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Return Markdown tables of the errors and the means; if there are many levels, only `_ON_PAGE`."""
+    """Return Markdown tables of errors and means by model level; if levels are many, only of those in `_ON_PAGE`."""
     shown = [row for row in rows.rows if len(rows.rows) <= len(_ON_PAGE) or row["level"] in _ON_PAGE]
     errors = [
         [str(row["level"]), f"{number(row, 'wall_ideal_s'):.3g}", *(f"{number(row, error):.1e}" for error in ERRORS)]
@@ -190,14 +190,14 @@ def _page(rows: Table) -> str:
     ]
     columns = ("level", "runs", "wall time [s]", *(label for label, _ in MEANS.values()))
     return (
-        f"Ideal joints, errors against {rows.rows[0]['reference']}:\n\n"
+        f"Ideal joints: errors relative to the level {rows.rows[0]['reference']}:\n\n"
         f"{markdown_table(('level', 'wall time [s]', *ERRORS.values()), errors)}\n\n"
-        f"With clearance, means of joints 1 / 2:\n\n{markdown_table(columns, means)}\n"
+        f"Joints with clearance: ensemble means, for joint 1 / joint 2:\n\n{markdown_table(columns, means)}\n"
     )
 
 
 def _mean(row: Mapping[str, Cell], statistic: str, joint: int) -> tuple[float, float]:
-    """Return a statistic's mean and standard error at a joint, in the units of the statistic's label."""
+    """Return ensemble mean and standard error of `statistic` (key of MEANS) at a joint, in the units of its label."""
     mean, error = (number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
     return MEANS[statistic][1] * mean, MEANS[statistic][1] * error
 

@@ -47,11 +47,11 @@ class Method:
         return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
-        """Simulate a scene at a setting, with the flexible panels that the method prescribes, if any."""
+        """Simulate a deployment at a step or tolerance, with the flexible panels that the method prescribes, if any."""
         return self.program(self.scene(scene), setting)
 
     def scene(self, scene: Scene) -> Scene:
-        """Return the scene with the flexible panels that the method prescribes, or unchanged without such panels."""
+        """Return the deployment with the flexible panels that the method prescribes; unchanged without such."""
         return replace(scene, model=with_panels(scene.model, self.panels)) if self.panels else scene
 
     def size(self, scene: Scene) -> str:
@@ -60,12 +60,12 @@ class Method:
 
 
 def ours(make: Callable[[float], Integrator]) -> Program:
-    """Return a program that simulates with this library's integrator; `make` returns the integrator for a setting."""
+    """Return a function that simulates a deployment with this library; `make` returns its integrator for a setting."""
     return lambda scene, setting: run_ours(scene, make(setting))
 
 
 def exudyn(solver: str) -> Program:
-    """Return a program that simulates with a solver of Exudyn, see `run_exudyn`; Exudyn is imported when it runs."""
+    """Return a function that simulates a deployment with Exudyn's `solver`, and imports Exudyn only when called."""
 
     def solve(scene: Scene, setting: float) -> Motion:
         from solar_env.studies.peers.exudyn_runs import run_exudyn

@@ -1,8 +1,8 @@
-"""Whole deployments side by side: this library's default settings against the cheapest of Exudyn, at equal error.
+"""Wall times of whole deployments by this library, and by Exudyn at its cheapest settings, compared at equal error.
 
 Errors include the panel models' errors, because users get the sum. With flexible panels, angles and latch times are
-compared with beams of 24 elements: the peer's panel model, four times as fine. Peak forces are compared with an
-ensemble of modal panels that more modes or a tighter tolerance would not change (`convergence`).
+compared with beams of 24 elements, four times as many as in Exudyn's runs. Peak forces are compared with an ensemble
+of modal panels that more modes or a tighter tolerance would not change (`convergence`).
 """
 
 import math
@@ -72,7 +72,7 @@ class Case:
     Attributes:
         model: one of `array.MODELS`.
         method: name of a method or DEFAULT; _REFERENCE or _ENSEMBLE for runs that others are compared with.
-        value: value of the method's setting.
+        value: value of the method's setting (step or tolerance).
         member: member of the ensemble; only the nominal run, member 0, is timed.
         watched: true if the peer records contact forces at every step, which costs time.
     """
@@ -101,7 +101,7 @@ def _job(plan: ChartPlan, case: Case) -> Job:
 
 
 def runs(plan: ChartPlan) -> dict[Case, Job]:
-    """Return the jobs: deployments by all methods; with clearance also our ensembles, and the peer's contact forces."""
+    """Return the jobs: reference and all methods; with clearance also ensembles, and Exudyn runs that record forces."""
     cases: list[Case] = []
     for model in plan.models:
         ours = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OURS[model])]
@@ -116,7 +116,7 @@ def runs(plan: ChartPlan) -> dict[Case, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
-    """Return a table row for every method and setting: cost, errors, peak-force ratios to the converged ensemble."""
+    """Return a row per model, method and setting: cost, errors, peak forces divided by the converged ensemble's."""
     rows: list[Row] = []
     for case, result in results.items():
         if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE):
@@ -182,7 +182,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
-    """Return the wall time in row `peer` divided by our least wall time at no larger errors; nan if ours are larger."""
+    """Return the wall time in row `peer` divided by our least wall time at no larger errors; nan without such a run."""
     walls = [
         number(row, "wall_s")
         for row in rows.where(model=peer["model"], peer=0).rows
@@ -213,8 +213,8 @@ def _page(rows: Table) -> str:
         peer.append([str(row["model"]), f"{row['method']}, {row['value']:g}", *_cells(row), words])
     last = "its time divided by ours, at no larger error"
     return (
-        f"Default settings:\n\n{markdown_table(('model', 'panels', *_COLUMNS), ours)}\n\n"
-        f"Exudyn:\n\n{markdown_table(('model', 'method, step [s]', *_COLUMNS, last), peer)}\n"
+        f"This library with its default settings:\n\n{markdown_table(('model', 'panels', *_COLUMNS), ours)}\n\n"
+        f"Exudyn, a peer:\n\n{markdown_table(('model', 'method, step [s]', *_COLUMNS, last), peer)}\n"
     )
 
 

@@ -57,7 +57,7 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
-    """Return a table row for every method at every setting, with the error floor of the row's model and panels."""
+    """Return a table row per model, method and setting, with errors and the floor below which they have no meaning."""
     by_panels: dict[tuple[str, str], tuple[Motion, float]] = {}
     for model in plan.models:
         for name, values in REFERENCES[model]:
@@ -87,7 +87,7 @@ def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
 
 
 def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
-    """Return a run's errors, against run `right`, of angles before the latching and latch times; nan if it failed."""
+    """Return a run's errors against run `right`: of angles before latching, and of latch times; nan if it failed."""
     if motion is None:
         return dict.fromkeys(ERRORS, math.nan)
     return {
@@ -97,7 +97,7 @@ def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Plot costs (rows) against errors for each model (columns), and write a Markdown table; return both files."""
+    """Plot kinds of cost (rows of axes) against error by model (columns); write a Markdown table; return both files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
     figure, axes = make_figure(len(COSTS), len(models), (max(2.15, 6.4 / len(models)), 1.9), len(looks))
@@ -137,10 +137,10 @@ def cheapest(rows: Table) -> Mapping[str, Cell] | None:
 
 
 def order(rows: Table) -> float:
-    """Return the observed order p of a method: its errors are proportional to n^-p for n steps, or n evaluations.
+    """Return a method's observed order p: errors go as n^-p with n steps, or n evaluations where steps are unknown.
 
-    The order is fitted by least squares to the three finest settings with errors well above the floor. The order is
-    nan if fewer settings qualify, and with clearance, where impacts bound the errors.
+    The order is fitted by least squares to the three finest settings with errors well above the reference's own error.
+    The order is nan if fewer settings qualify, and with clearance, where impacts bound the errors.
     """
     steps, errors = rows.column("steps"), rows.column(ERROR)
     counts = np.where(np.isfinite(steps), steps, rows.column("evaluations"))
@@ -165,7 +165,7 @@ def _conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Return a Markdown table by method and model: least wall time for an error of GOAL or less, and observed order."""
+    """Return a Markdown table, methods by models: least wall time for an error of GOAL or less, and observed order."""
     models = rows.values("model")
     lines = [
         [str(method), *(_least(rows.where(model=model, method=method)) for model in models)]
@@ -176,7 +176,7 @@ def _page(rows: Table) -> str:
 
 
 def _least(rows: Table) -> str:
-    """Format a method's least wall time on a model for an error of GOAL or less, and the order; empty if not run."""
+    """Format a method's least wall time on a model at an error of GOAL or less, and order; empty without rows."""
     row = cheapest(rows)
     found = order(rows) if rows.rows else math.nan
     words = f"{row['wall_s']:.3g}" if row else "not reached" if rows.rows else ""

@@ -1,4 +1,4 @@
-"""Stability map of friction over the friction law's two speeds: creep of a contact that should stick, and step size.
+"""Stability map over the friction law's two speeds: where a contact that should stick creeps, or steps become short.
 
 A torque of half the friction limit turns a loaded journal (`textbook.loaded_journal`). Coulomb friction would hold the
 journal; the ramp between the speeds v0 and v1 lets the journal creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and
@@ -36,7 +36,7 @@ def creep_speed(speed_zero: float, speed_full: float) -> float:
 
 
 def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
-    """Simulate a journal under half the limiting friction torque; speeds [m/s] bound the ramp, `panel`: integrator."""
+    """Simulate a journal at half the limiting friction torque with integrator `panel`; speeds [m/s] bound the ramp."""
     bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, FRICTION, (speed_zero, speed_full))
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
     torque = SHARE * FRICTION * normal * RADIUS
@@ -56,7 +56,7 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
 
 
 def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Finding:
-    """Measure the creep speed at half the friction limit, and classify the run: wrong, creeping, stiff or fine."""
+    """Measure creep with integrator `panel` at half the friction limit; class it wrong, creeping, stiff or fine."""
 
     def judge(run: Trajectory) -> Finding:
         speed, expected = float(run.rates[-1, 0]) * RADIUS, creep_speed(speed_zero, speed_full)

@@ -55,7 +55,7 @@ def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float
 
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
-    """Measure and classify bounces by generalized-alpha at steps of `share` impact durations; `panel`: contact law."""
+    """Measure and classify bounces by contact law `panel`, with generalized-alpha steps of `share` * impact time."""
 
     def judge(ratios: NDArray[np.float64]) -> Finding:
         worst = float(ratios[np.argmax(np.abs(ratios - 1.0))])
@@ -66,7 +66,7 @@ def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
 
 
 def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
-    """Measure exit / entry speed in a bounce at `speed` [m/s]; wrong if it misses `restitution` by more than 0.05."""
+    """Measure exit / entry speed of a bounce at `speed` [m/s] by contact `law`; wrong if > 0.05 off `restitution`."""
 
     def bounce() -> Trajectory:
         bearing = replace(ARRAY, contact_law=law, restitution=restitution).bearing(0)
@@ -86,7 +86,7 @@ def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
 
 
 def restitution_limit(law: str, speed: float) -> float:
-    """Return the greatest restitution coefficient that a contact law misses by over 0.05; nan if there is no such one.
+    """Return the greatest restitution coefficient that a contact law misses by over 0.05; nan if it never does.
 
     At a speed below the minimum impact speed, the damping is weaker by the ratio of the two speeds.
     """

@@ -1,8 +1,8 @@
 """Stability maps, which show where numerical methods fail: definition of a map, and measurement of its cells.
 
 A map has two axes and one or more panels. Each cell of a map is one small run with a known answer. The run is
-classified by how it fails, and the library's report on it is kept: an error, a warning, or a quantity of the result. A
-run that fails without a report is a fault of the library: see `silent_failures`.
+classified by how it fails, and what this library reported is kept: an error, a warning, or a quantity of the result. A
+run that fails without a report is a fault of this library: see `silent_failures`.
 """
 
 import math
@@ -21,7 +21,7 @@ Result = TypeVar("Result")
 
 
 class Kind(StrEnum):
-    """Outcomes by which the runs of a map are classified, in the order of the legend."""
+    """Outcomes of the runs of a stability map, in the order of the plot's legend."""
 
     FINE = "fine"
     STIFF = "stiff"  # is right, with steps far shorter than the motion needs
@@ -37,7 +37,7 @@ class Kind(StrEnum):
 
 
 class Said(StrEnum):
-    """Kinds of the library's report on a run: an error, a warning, a quantity of the result, or nothing."""
+    """Report by this library on a run of a map: an error, a warning, a quantity of the result, or nothing."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -47,7 +47,7 @@ class Said(StrEnum):
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a stability map: the table column, the label, and the values of the grid."""
+    """An axis of a stability map: table column, label, and grid values of a quick and of a full measurement."""
 
     column: str  # column of the table
     label: str  # label with its unit
@@ -57,7 +57,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of a run in a map: outcome, measured value (nan if the run raised an error), and the library's report."""
+    """Result of a run in a map: outcome, measured value (nan if an error was raised), what this library reported."""
 
     kind: Kind
     value: float
@@ -81,14 +81,14 @@ class StabilityMap:
     limit_label: str = ""  # meaning and origin of the limit
 
     def cells(self, quick: bool) -> Iterator[tuple[str, Value, Value]]:
-        """Yield (panel, x, y) of every run of the map, on the coarse grid if `quick`, else on the full grid."""
+        """Yield (subplot's name, x, y) of every run of the map, on the coarse grid if `quick`, or the full grid."""
         for panel in self.panels:
             for y in self.y.quick if quick else self.y.full:
                 for x in self.x.quick if quick else self.x.full:
                     yield panel, x, y
 
     def row(self, panel: str, x: Value, y: Value) -> Mapping[str, Cell]:
-        """Simulate and classify the run at a panel, x and y, and return its table row."""
+        """Simulate and classify the run of subplot `panel` at the grid point (x, y), and return its table row."""
         cell = self.measure(panel, x, y)
         place = {"panel": panel, self.x.column: x, self.y.column: y, "class": cell.kind, "value": cell.value}
         return {**place, "limit": self.limit(panel, y), "said": cell.said, "message": cell.message}
@@ -101,7 +101,7 @@ class StabilityMap:
 
 
 def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Finding:
-    """Call `run`; classify its result with `judge`, or its error by the reason; add warnings; return the finding."""
+    """Call `run`; classify its result with `judge`, or the error that it raises; return the finding, with warnings."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
         try:
@@ -118,7 +118,10 @@ def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Fin
 
 
 def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
-    """Classify a run by lowest and highest ratio of a quantity to its exact value; above 2, or nan, is a blow-up."""
+    """Classify a run by the lowest and the highest ratio of a simulated quantity to its exact value.
+
+    Ratios within `tolerance` of 1 are fine; a higher one is growing, above 2 or nan a blow-up, a lower one over-damped.
+    """
     if not highest <= 2.0:
         return Kind.BLOW_UP
     if highest > 1.0 + tolerance:
@@ -127,7 +130,7 @@ def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
 
 
 def silent_failures(table: Table) -> Table:
-    """Return the rows of a map's table whose runs failed without a report by the library; there should be no row."""
+    """Return the rows of a map's table whose runs failed, unreported by this library; there should be no such row."""
     kept = (row for row in table.rows if row["class"] != Kind.FINE and row["said"] == Said.SILENT)
     return Table(tuple(kept), table.provenance)
 

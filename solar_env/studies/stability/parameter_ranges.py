@@ -1,4 +1,4 @@
-"""Ranges of the parameters: runs with each parameter varied over eight decades, and what the library reports."""
+"""Ranges of the parameters: runs with each parameter varied over eight decades, and what this library reports."""
 
 import warnings
 from collections.abc import Callable
@@ -44,7 +44,7 @@ def scaled(name: str, factor: float = 1.0) -> tuple[float, ...]:
 
 
 def trial(name: str, factor: float, model: str, duration: float = DURATION) -> Row:
-    """Simulate a deployment with one parameter scaled; return a table row with outcome and message."""
+    """Simulate a deployment with parameter `name` scaled by `factor`; return a table row with outcome and message."""
     values = scaled(name, factor)
     change: dict[str, Any] = {**BESIDE.get(name, {}), name: values if len(values) > 1 else values[0]}
 

@@ -81,7 +81,7 @@ def _draw_panel(axes: Axes, table: Table, about: Mapping[str, str]) -> None:
 
 
 def _place(limit: float, ticks: NDArray[np.float64]) -> float:
-    """Return the axis position of a limit between ticks (drawn 1 apart), interpolated logarithmically; nan outside."""
+    """Return the position of `limit` on an axis with ticks drawn 1 apart, by logarithmic interpolation; nan outside."""
     if not limit > 0.0 or not (ticks > 0.0).all():
         return math.nan
     places = np.interp(math.log(limit), np.log(ticks), np.arange(len(ticks)), left=math.nan, right=math.nan)

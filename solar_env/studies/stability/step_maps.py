@@ -1,8 +1,8 @@
-"""Stability maps of fixed steps: index-3 multipliers after a change of the step, and bounces in stiff stops.
+"""Stability maps of integration steps: index-3 multipliers after a change of the step, and bounces in stiff stops.
 
 A pendulum swings for a second; then the step changes, and the library solves accelerations and multiplier afresh. The
 multiplier is compared with the tension that follows from position and velocity: the length constraint's multiplier is
-m (v^2 - g . r) / L^2. A mode of the multipliers grows with rho_inf = 1 (A. Cardona and M. Geradin, Comput. Struct. 33
+m (v^2 - g . r) / L^2. With rho_inf = 1 an error of the multipliers grows (A. Cardona and M. Geradin, Comput. Struct. 33
 (1989) 801, doi:10.1016/0045-7949(89)90255-6).
 
 An undamped latch conserves energy, whether soft or rigid. The ratio of the energy at the end to the energy at the
@@ -30,7 +30,7 @@ MOST_STEPS = 300_000
 
 
 def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
-    """Return the (STEPS,) multiplier errors after a step change by factor `ratio`, divided by the greatest force."""
+    """Return (STEPS,) multiplier errors, over the greatest force, after the step size was multiplied by `ratio`."""
     simulation = Simulation(pendulum(), GeneralizedAlpha(step=FIRST_STEP, rho_inf=rho_inf))
     simulation.advance(CHANGE_TIME)
     simulation.integrator = GeneralizedAlpha(step=ratio * FIRST_STEP, rho_inf=rho_inf)
@@ -68,7 +68,7 @@ def impact_time(stiffness: float) -> float:
 
 
 def measure_latch(panel: str, step: float, stiffness: float) -> Finding:
-    """Measure and classify the ratio of final to initial energy in a latch; right energy at a wrong depth is wrong."""
+    """Measure and classify final / initial energy in a latch with integrator `panel`; wrong if the depth is wrong."""
     duration = LATCH_TIME + 2.0 * impact_time(stiffness)
     method: Integrator = RungeKutta(max_step=step, max_steps=MOST_STEPS)
     if panel != EXPLICIT:

@@ -29,7 +29,7 @@ ENOUGH, FEWEST = 2.0, 3
 
 @cache
 def moments(model: str) -> tuple[State, ...]:
-    """Return MOMENTS saved states of one passive deployment, evenly spread over its control periods."""
+    """Return 128 (MOMENTS) saved simulation states of a passive deployment, evenly spread over its control periods."""
     env: Any = gymnasium.make(DEPLOY, version="v1", model=model).unwrapped
     env.reset(seed=0)
     states, terminated = [env.simulation.snapshot()], False
@@ -41,7 +41,7 @@ def moments(model: str) -> tuple[State, ...]:
 
 
 def placements(model: str, lanes: int) -> list[list[State]]:
-    """Return lists that have a saved state for each lane (environment); together the lists cover all MOMENTS states."""
+    """Return lists of saved states, one for each lane (environment); together they cover all 128 (MOMENTS) states."""
     every = moments(model)
     return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
@@ -85,8 +85,8 @@ Contestant = tuple[Any, Sequence[Callable[[], object]]]
 def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
     """Measure steps per second of several environments stepped in turn, so that disturbances affect all alike.
 
-    A placement restores saved states in all lanes, and all environments have equally many. A placement's time is the
-    median of all rounds but the first.
+    `contestants` maps names to (environment, placements): functions that restore saved states in all its `lanes` lanes.
+    All have equally many placements. A placement's step time is the median of all rounds but the first.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     rounds: list[list[list[float]]] = []
@@ -109,7 +109,7 @@ def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, floa
 
 
 def measure_rate(model: str, lanes: int) -> dict[str, float]:
-    """Measure our steps per second from all MOMENTS states, and for SCALED_LANES the time fraction in compiled code."""
+    """Measure our vector environment's steps/s; for SCALED_LANES lanes also the fraction of time in compiled code."""
     env = make_native(model, lanes)
     taken = {"step": 0.0, "run": 0.0}
     for owner, name in ((env, "step"), (env.episodes.batch, "run")):
@@ -132,7 +132,7 @@ def _timed(function: Callable[..., object], taken: dict[str, float], name: str) 
 
 
 def measure_threads(model: str) -> dict[str, float]:
-    """Measure our vector environment's throughput with all threads divided by one thread's, with SCALED_LANES lanes."""
+    """Measure the ratio of our throughput with all threads to one thread's, for SCALED_LANES lanes (environments)."""
     chosen, every = spread(model, SCALED_LANES), available_processors()
     envs = {name: make_native(model, SCALED_LANES, threads) for name, threads in (("one", 1), ("every", every))}
     rates = compare({name: (env, [partial(place, env, chosen)]) for name, env in envs.items()}, SCALED_LANES)
@@ -166,7 +166,7 @@ def measurements(models: Iterable[str]) -> list[tuple[str, Callable[[], dict[str
 
 
 def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
-    """Return Markdown tables: steps per second by lanes; thread ratio, compiled time fraction, and ratios to PEERS."""
+    """Return Markdown tables of steps per second, and of ratios and compiled fraction (model -> name -> value)."""
     threads = available_processors()
     rates = [(model, *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES)) for model, measured in figures.items()]
     ratios = [
@@ -175,8 +175,8 @@ def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
     ]
     columns = ("model", f"ratio of {threads} threads to 1", "fraction of the time in compiled calls")
     return (
-        f"Steps of 0.1 s per second, by number of environments in the vector, with {threads} threads:\n\n"
+        f"Environment steps of 0.1 s per second of wall time, by number of environments, with {threads} threads:\n\n"
         f"{markdown_table(('model', *map(str, LANES)), rates)}\n\n"
-        f"Rates compared: threads and compiled calls with {SCALED_LANES} environments, other vectors with "
+        f"Ratios of such rates: threads and compiled calls with {SCALED_LANES} environments, other vectors with "
         f"{COMPARED_LANES}:\n\n{markdown_table((*columns, *(f'ratio to {peer}' for peer in PEERS)), ratios)}"
     )

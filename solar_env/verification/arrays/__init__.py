@@ -1,4 +1,4 @@
-"""Verification cases of whole arrays: latch times, conservation, impacts in a deployment, flexible and rigid panels.
+"""Verification cases of whole solar arrays: latch times, conservation, impacts, flexible and rigid panels.
 
-They may use theory in `beams`, `linkages` and `impacts`. A new case is a generator of `Check`, added to `suite.CASES`.
+Cases may use theory in `beams`, `linkages` and `impacts`. A new case is a generator of `Check`, added to `suite.CASES`.
 """

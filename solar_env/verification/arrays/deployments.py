@@ -81,7 +81,7 @@ def rigid_array_motion() -> Iterator[Check]:
 
 
 def double_door() -> Iterator[Check]:
-    """Check two panels with fittings and dampers, which unfold in the same sense and swing into stops, not latches."""
+    """Check a published array of two panels that swing in one sense into non-latching stops: times, rates, torques."""
     # Two masses beside the centre of a fitting have its inertia of 1e-6 kg m2.
     apart, half = math.sqrt(1e-6 / 0.05), 0.025
     places = ((1, 0.02), (1, 0.28), (2, 0.02))
@@ -142,7 +142,7 @@ def two_wings() -> Iterator[Check]:
 
 
 def deployed_frequencies() -> Iterator[Check]:
-    """Check natural frequencies of deployed rigid panels on their latch springs, by theory in minimal coordinates."""
+    """Check frequencies of deployed rigid panels on their latch springs against theory in minimal coordinates."""
     wing = ArrayParameters(panel_count=3, body_mass=120.0, body_inertia=12.8, cable_stiffness=0.0)
     variants = (
         ("two panels, hub held", ArrayParameters(body_fixed=True, cable_stiffness=0.0)),
@@ -157,7 +157,7 @@ def deployed_frequencies() -> Iterator[Check]:
 
 
 def latch_times() -> Iterator[Check]:
-    """Check latch times of rigid-ideal arrays with a stiff cable loop against a reduction to one degree of freedom."""
+    """Check latch times of rigid arrays with ideal hinges and stiff cable loops against a model with one coordinate."""
     integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=2e-3))
     for name, changes in REDUCTIONS:
         parameters = ArrayParameters(**changes, **STIFF_CABLE)
@@ -193,7 +193,7 @@ def clearance_limit() -> Iterator[Check]:
 
 
 def without_rotary_inertia(mechanism: Mechanism) -> Mechanism:
-    """Return the mechanism with thin-rod inertia in every rigid panel, because beam elements have no rotary inertia."""
+    """Return the mechanism with every rigid panel's inertia set to m L^2 / 12, as beam elements lack rotary inertia."""
     bodies = [mechanism.bodies[0]]
     for body in mechanism.bodies[1:]:
         assert isinstance(body, Body)
@@ -224,7 +224,7 @@ def rigid_limit() -> Iterator[Check]:
 
 
 def two_integrators() -> Iterator[Check]:
-    """Check explicit against implicit integration of damped flexible panels, and the order of the implicit method."""
+    """Check that explicit and implicit integration of damped flexible panels agree; check the implicit one's order."""
     parameters, end = ArrayParameters(cable_stiffness=10.0, panel_damping=3e-4), 3.0
     mechanism = build(parameters, "flexible-ideal:2 elements")
 

@@ -36,7 +36,7 @@ THREE: dict[str, Any] = {"panel_count": 3, "cable_stiffness": 5e3, "cable_preloa
 
 
 def _run(duration: float, model: str = "rigid-ideal", step: float = 0.5, **changes: Any) -> Trajectory:
-    """Simulate an array with changed parameters for a duration [s]; `step` [s] is output step and bound on steps."""
+    """Simulate an array with changed parameters for a duration [s]; `step` [s] is output interval and step limit."""
     method = RungeKutta(rtol=1e-10, max_step=step)
     return simulate(build(ArrayParameters(**changes), model), duration, integrator=method, output_step=step)
 
@@ -47,7 +47,7 @@ def swing_time(inertia: float, stiffness: float, preload: float, lock: float) ->
 
 
 def inertias(p: ArrayParameters, angle: float) -> Array:
-    """Return the mass matrix [kg m2, kg m, kg] at a root angle [rad], if all hinges open in proportion to it.
+    """Return the mass matrix [kg m2, kg m, kg] at a root hinge angle [rad] to which all hinge angles are proportional.
 
     The coordinates are the root angle and, for a free array, the array's rotation and translation.
     """
@@ -65,7 +65,7 @@ def spring_work(p: ArrayParameters, angles: Array) -> float:
 
 
 def opening(p: ArrayParameters) -> tuple[float, float, float]:
-    """Return latch time [s], root rate [rad/s] and hub turn [rad] at latching, if all hinges open in proportion."""
+    """Return time [s], root hinge rate [rad/s] and hub angle [rad] at latching, if hinge angles stay proportional."""
 
     def rates(angle: float) -> Array:
         inverse = np.linalg.inv(inertias(p, angle))[:, 0]  # the whole array has zero momenta
@@ -104,7 +104,7 @@ def _openings() -> Iterator[Check]:
 
 
 def _hold_downs() -> Iterator[Check]:
-    """Check latch times of panels released in turn, and of a panel held at 0.1 rad on ever shorter, light yokes."""
+    """Check latch times of panels released in turn, and of light yokes whose panel is held at 0.1 rad to the yoke."""
     times = _run(
         60.0, body_fixed=True, cable_stiffness=0.0, release_time=(3.0, 20.0), release_after=(0, 1), latch_gap=0.0,
         spring_preload_angle=(2.0, 3.5), latch_stiffness=1e5, latch_damping=1e3, latch_ramp_depth=1e-6,

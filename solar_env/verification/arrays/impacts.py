@@ -1,9 +1,9 @@
 """Verification of impacts within a deployment: each impact at default settings against a second, accurate solution.
 
 Deployments with clearance are chaotic: two runs soon have different impacts. Each impact of the default run is
-therefore solved a second time from the state in which it began. With rigid panels the second run is explicit. With
-modal panels the second run has a hundredth of the tolerance and shows the error of the steps alone; the cases
-`restitution`, `modal-struck-bar` and `modal-struck-beam` compare impacts with closed forms.
+therefore solved a second time by the same method, from the state in which it began, with a far smaller tolerance. The
+difference shows the error of the time steps alone; the cases `restitution`, `modal-struck-bar` and `modal-struck-beam`
+compare impacts with closed forms.
 """
 
 from collections.abc import Iterator
@@ -59,7 +59,8 @@ def _depth(simulation: Simulation, j: int) -> tuple[float, float]:
 def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: float) -> tuple[float, ...]:
     """Return exit speed [m/s] and duration [s] of the contact begun at joint `j` in state `start`, and contact count.
 
-    The count is of contacts at all joints. If no end comes within `longest` predicted durations, return ().
+    The count is of contacts at all joints. Return () if the contact lasts more than `longest` times the duration that
+    was predicted when it began.
     """
     begun, duration = float(start.joints[j]["contact_start"]), float(start.joints[j]["contact_duration"])
     simulation.restore(start)
@@ -80,21 +81,21 @@ def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: fl
 def impacts(
     model: str, duration: float, tight: Integrator, longest: float, slowest: float = 0.0
 ) -> tuple[Column, Column, float]:
-    """Simulate a deployment by the default integration method, and each of its impacts a second time by another method.
+    """Simulate a deployment by the default integration method, and each of its impacts a second time by `tight`.
 
     The exit speed includes the effects of springs and of other joints' impacts, and can exceed the impact speed.
 
     Args:
         model: model level, such as rigid-clearance.
         duration: duration of the deployment [s].
-        tight: integration method of each impact's second run, in the same formulation as the default method.
-        longest: longest contact, in predicted durations; longer contacts are left out.
-        slowest: exit speed [m/s] below which the method's tolerance leaves open whether surfaces separate.
+        tight: accurate integration method of each impact's second run, in the same formulation as the default method.
+        longest: greatest ratio of an impact's duration to its predicted duration; longer contacts are left out.
+        slowest: exit speed [m/s] in the second run below which the default method may miss a separation.
 
     Returns:
-        Impact speeds [m/s] and exit-speed errors [m/s] of impacts with the same contacts in both runs, and the fraction
-        of other impacts. Other impacts with a lower exit speed than `slowest` do not count: steps may pass over gaps of
-        some nanometres, in this joint or in another joint.
+        Impact speeds [m/s] and exit-speed errors [m/s] of the impacts that agree in both runs: equally many contacts,
+        durations within 10 %. Last comes the fraction of impacts that disagree. Impacts that disagree and leave more
+        slowly than `slowest` are not counted: time steps may pass over gaps of some nanometres at any joint.
     """
     mechanism = build(ArrayParameters(), model)
     run, tight_run = Simulation(mechanism, default_integrator(model)), Simulation(mechanism, tight)
@@ -124,7 +125,7 @@ def impacts(
 
 
 def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterator[Check]:
-    """Check that the `number` of impacts compared is at least `at_least`, and the fraction `left_out` at most 0.01."""
+    """Check the `number` of impacts compared (at least `at_least`) and the fraction `left_out` (at most 0.01)."""
     missing = max(at_least - number, 0)
     yield Check(f"{name}: impacts compared: {number}, at least {at_least}", 0.0, missing, 0.0, _ALONE)
     quantity = f"{name}: share of the impacts left out, where surfaces part for a moment in one of the two runs alone"
@@ -142,7 +143,8 @@ def explicit_impacts() -> Iterator[Check]:
 def modal_impacts() -> Iterator[Check]:
     """Check exit speeds of the impacts in a deployment with modal panels.
 
-    The integrator's tolerance is a speed, 0.1 mm/s: slow impacts are compared by exit speed, not by speed ratio.
+    The integrator's tolerance corresponds to a speed of 0.1 mm/s. Exit speeds of slow impacts are therefore compared by
+    their absolute errors, not by errors relative to the impact speed.
     """
     model = "flexible-clearance"
     name, default = f"{model}, 32 modes a panel, 16 s", default_integrator(model)

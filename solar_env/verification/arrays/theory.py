@@ -61,7 +61,7 @@ class Chain:
         self.inertias = np.array([link.inertia for link in self.links])
 
     def jacobian(self, angles: Array) -> NDArray[np.complex128]:
-        """Return the (n, size) velocities of the centroids, x + i y, per unit velocity of each coordinate."""
+        """Return velocities x + i y (n, size) of n centroids, per unit velocity of each of the `size` coordinates."""
         turning = 1j * self.arms * np.exp(1j * angles)
         if not self.free:
             return turning
@@ -69,7 +69,7 @@ class Chain:
         return np.hstack([turning, ones, 1j * ones])
 
     def mass_matrix(self, angles: Array) -> Array:
-        """Return the (size, size) generalized mass matrix [kg m2, kg m, kg] at link angles [rad]."""
+        """Return the (size, size) mass matrix [kg m2, kg m, kg] of the `size` coordinates at link angles [rad]."""
         jacobian = self.jacobian(angles)
         matrix = (jacobian.conj().T @ (self.masses[:, None] * jacobian)).real
         n = len(self.links)
@@ -77,7 +77,7 @@ class Chain:
         return matrix
 
     def applied(self, angles: Array, rates: Array, torques: Array) -> Array:
-        """Return the (size,) generalized forces of link torques (n,) [N m], gravity and centripetal terms together."""
+        """Return the `size` generalized forces of torques (n,) [N m] on the links, gravity and centrifugal terms."""
         forces = self.masses * ((self.arms * np.exp(1j * angles)) @ rates**2 + self.gravity)
         total = (self.jacobian(angles).conj().T @ forces).real
         total[: len(self.links)] += torques
@@ -94,7 +94,8 @@ class Chain:
         """Integrate link angles [rad] and rates [rad/s] from rest at `angles`; return SciPy's solution at `times` [s].
 
         `torques` maps angles and rates to the torques on the links [N m]. A coupling (c, g) is a constraint c . angles
-        = const, enforced by torques proportional to g. The motion ends where `stop`, of time and state, is zero.
+        = const, enforced by torques proportional to g. The motion ends when the function `stop` of time and state
+        (angles, rates) becomes zero.
         """
         n = len(self.links)
 
@@ -122,7 +123,7 @@ class Chain:
 
 
 def make_chain(p: ArrayParameters) -> Chain:
-    """Return the chain of panels; unless fixed, the main body comes first, with its centroid as its inboard pin."""
+    """Return the chain of the array's panels; a free main body is the first link, with its centroid as inboard pin."""
     rows = [p.panel(joint.index) for joint in p.joints]
     panels = [ChainLink(row.mass, row.inertia, row.centroid + 0j, row.length + 0j) for row in rows]
     if p.body_fixed:

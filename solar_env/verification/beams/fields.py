@@ -31,7 +31,7 @@ def as_complex(coordinates: NDArray[np.float64]) -> Field:
 
 
 def nodes(body: FlexibleBody, values: NDArray[np.float64], first: int = 0) -> tuple[Field, Field]:
-    """Return a beam's positions and slopes, x + i y (nodes, ...), which start at index `first` in `values` (..., n)."""
+    """Return a beam's nodal positions and slopes, each x + i y (nodes, ...), at index `first` of `values` (..., n)."""
     points = as_complex(np.asarray(values)[..., coordinates_of(body, first)])
     return points[0::2], points[1::2]
 
@@ -46,7 +46,7 @@ def beam_points(
 ) -> tuple[Field, Field, NDArray[np.float64]]:
     """Return positions and velocities (..., points), x + i y, and masses (points,) [kg] at a beam's Gauss points.
 
-    The beam's coordinates start at index `first`. Mass-weighted sums integrate products of two such fields exactly.
+    Coordinates start at index `first`. Mass-weighted sums integrate products of positions and velocities exactly.
     """
     x, weights = np.polynomial.legendre.leggauss(4)
     ends, size = np.linspace(0.0, body.length, body.elements + 1), body.length / body.elements
@@ -60,7 +60,7 @@ def beam_points(
 def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Return linear momenta x + i y [kg m/s], and angular momenta about the origin [kg m2/s], each (times, bodies).
 
-    They follow from the motion of base points or nodes, and from the masses in the mechanism's description, alone.
+    They are computed only from the motion of base points or nodes and the masses in the mechanism's description.
     """
     linear, angular = [], []
     first = 0

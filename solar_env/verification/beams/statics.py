@@ -30,7 +30,7 @@ RIGID_BODY = "as many zero frequencies as rigid-body motions"
 
 
 def solve_tip(mechanism: Mechanism, load_steps: int = 10) -> tuple[complex, float]:
-    """Solve for static equilibrium; return the tip's position x + i y [m] and direction [rad] from -pi to pi."""
+    """Solve statics in `load_steps` steps; return the tip's position x + i y [m] and direction [rad] from -pi to pi."""
     places, slopes = nodes(flexible_body(mechanism), np.asarray(static_equilibrium(mechanism, load_steps=load_steps)))
     return complex(places[-1]), cmath.phase(complex(slopes[-1]))
 

@@ -36,9 +36,9 @@ class StrainBeam:
         root_angle: Callable[[float], tuple[float, float, float]] | None = None,
         gravity: float = 0.0,
     ) -> None:
-        """Set up the equations with `turns` and `stretches` terms, under `gravity` [m/s2] towards -y.
+        """Set up the equations: `turns` terms for direction, `stretches` for stretch, `gravity` [m/s2] along -y.
 
-        `root_angle` gives direction, rate and acceleration of the root at a time [s]; None stands for a pinned root.
+        `root_angle` gives angle, rate and acceleration of the root at a time [s]; None stands for a pinned root.
         """
         self.beam, self.turns, self.stretches = beam, turns, stretches
         self.root_angle, self.gravity = root_angle, gravity

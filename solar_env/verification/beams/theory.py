@@ -75,9 +75,10 @@ def deflected_tip(beam: Beam, tip_force: complex = 0j, tip_moment: float = 0.0) 
 
 
 def bending_wave_numbers(support: str, count: int) -> Array:
-    """Return the lowest (count,) roots beta L of the characteristic equation, ascending, without the rigid-body zeros.
+    """Return the lowest (count,) roots beta L of a beam's characteristic equation, ascending, without rigid-body zeros.
 
-    S. Timoshenko, Vibration Problems in Engineering, 2nd ed., 1937, section 54.
+    The `support` is "clamped-free", "pinned-free" or "free-free". S. Timoshenko, Vibration Problems in Engineering, 2nd
+    ed., 1937, section 54.
     """
     shift, characteristic = SUPPORTS[support]
     x = np.asarray((np.arange(1, count + 1) + shift) * math.pi, dtype=float)
@@ -87,13 +88,13 @@ def bending_wave_numbers(support: str, count: int) -> Array:
 
 
 def bending_frequencies(support: str, beam: Beam, count: int) -> Array:
-    """Return the (count,) natural frequencies [Hz] of an Euler-Bernoulli beam without rotary inertia."""
+    """Return the lowest (count,) bending frequencies [Hz] of an Euler-Bernoulli beam that is, say, "clamped-free"."""
     wave_numbers = bending_wave_numbers(support, count) / beam.length
     return wave_numbers**2 * math.sqrt(beam.bending_stiffness / beam.linear_density) / (2.0 * math.pi)
 
 
 def axial_frequencies(support: str, beam: Beam, count: int) -> Array:
-    """Return the (count,) axial natural frequencies [Hz] of a bar that is free (free-free) or held at one end."""
+    """Return the lowest (count,) axial frequencies [Hz] of a bar that is "free-free", or otherwise held at one end."""
     speed = math.sqrt(beam.axial_stiffness / beam.linear_density)
     quarters = 2.0 * np.arange(1, count + 1) - (0.0 if support == "free-free" else 1.0)
     return np.asarray(quarters * speed / (4.0 * beam.length))
@@ -131,7 +132,7 @@ def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, fl
 
 
 def element_deflection_error(load: float, slenderness: float, elements: int) -> float:
-    """Compute the leading tip-deflection error, in w / L, of a cantilever of cubic elements under a transverse load.
+    """Compute the leading error of tip deflection / length of a cantilever of cubic elements under a transverse load.
 
     The elements minimize the potential over a smaller space. To first order this adds the energy of the fields that
     they cannot represent. The missing deflection is the derivative of this energy with respect to the load P.
@@ -213,5 +214,5 @@ class FineBeam:
         return rigid * 0.5 * time**2 + self.flexibility[:, load] - ends @ (ends[load] * ringing)
 
     def left_out(self, kept: int) -> Array:
-        """Return the flexibilities (2,), to end force and moment, that all modes beyond the first `kept` contribute."""
+        """Return the first end's flexibility (2,), to force and moment there, of all modes after the first `kept`."""
         return np.sum((self.first_end[:, kept:] / self.frequencies[kept:]) ** 2, axis=1)

@@ -53,7 +53,7 @@ def restitution(d: float) -> float:
 
 
 def greatest_depth(contact: PowerLaw, speed: float) -> float:
-    """Return the greatest depth [m] of an impact, which is Hertz's (5 m v^2 / (4 K))^0.4 for n = 1.5 and d = 0."""
+    """Return the greatest depth [m] of an impact: Hertz's (5 m v^2 / (4 K))^0.4 for an undamped force K depth^1.5."""
     d, power = contact.damping, contact.exponent + 1.0
     bracket = (d - math.log1p(d)) / d**2 if d else 0.5
     return float((power * MASS * speed**2 / contact.stiffness * bracket) ** (1.0 / power))
@@ -62,8 +62,8 @@ def greatest_depth(contact: PowerLaw, speed: float) -> float:
 def undamped_duration(contact: PowerLaw, speed: float) -> float:
     """Return the duration [s] of an undamped impact: depth / speed times 2 B(1 / (n + 1), 1/2) / (n + 1).
 
-    The duration is twice the integral of d(depth) / rate, with the beta function B. It is 2.94328 depth / speed for
-    n = 1.5 (K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, section 11.4).
+    Here depth is the greatest depth, B the beta function, and the force K depth^n. With n = 1.5 the duration is
+    2.94328 depth / speed (K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, section 11.4).
     """
     power = contact.exponent + 1.0
     depth = greatest_depth(replace(contact, damping=0.0), speed)
@@ -80,7 +80,7 @@ def _bearing(contact: PowerLaw) -> Bearing:
 
 
 def _speed_ratio(contact: PowerLaw, speed: float, integrator: Integrator) -> float:
-    """Simulate one impact of the block on the wall; return the ratio of exit to entry speed."""
+    """Simulate one impact of a block on a wall; return the ratio of exit to entry speed."""
     duration = undamped_duration(contact, speed)
     simulation = Simulation(bouncing_block(_bearing(contact), MASS, speed), _resolving(integrator, duration, 40))
     simulation.advance(CLEARANCE / speed + 0.5 * duration)
@@ -103,7 +103,7 @@ def restitution_curve() -> Iterator[Check]:
 
 
 def _one_impact(contact: PowerLaw, speed: float, integrator: Integrator) -> Trajectory:
-    """Simulate one impact, from the middle of the gap on, with 2000 samples per impact duration; return the motion."""
+    """Simulate the impact of a block that starts in the middle of its gap; return 2000 samples per impact duration."""
     duration = undamped_duration(contact, speed)
     mechanism = bouncing_block(_bearing(contact), MASS, speed)
     end = CLEARANCE / speed + 2.0 * duration

@@ -47,7 +47,7 @@ def stop_torque(stop: Stop, angle: float, rate: float) -> float:
 
 
 def _latched_swing(stop: Stop, rate: float, duration: float) -> tuple[float, float]:
-    """Integrate by SciPy from latching at a rate [rad/s]; return link angle [rad] and rate after a duration [s]."""
+    """Integrate a link by SciPy for `duration` [s] after it latches at `rate` [rad/s]; return angle [rad] and rate."""
 
     def slope(_: float, motion: Sequence[float]) -> tuple[float, float]:
         return motion[1], stop_torque(stop, motion[0], motion[1]) / INERTIA

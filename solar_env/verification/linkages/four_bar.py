@@ -42,7 +42,7 @@ class LinkageState:
         output_acceleration: rocker's angular acceleration [rad/s2].
         crank_moment: moment that keeps the crank turning uniformly [N m].
         pin_forces: force x + i y on the outboard body of each pin, in the mechanism's order of pins [N].
-        play_gain: greatest change of the rocker's angle per journal displacement in any one pin, first order [rad/m].
+        play_gain: greatest rocker rotation per small displacement of the journal in any single pin [rad/m].
     """
 
     output: float
@@ -65,7 +65,10 @@ def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: 
 def four_bar_state(
     crank: Link, coupler: Link, rocker: Link, ground_length: float, rate: float, angle: float, gravity: float
 ) -> LinkageState:
-    """Solve the uncrossed four-bar linkage at a crank angle [rad] and rate [rad/s]; gravity [m/s2] is along -y."""
+    """Return motion and forces of the uncrossed four-bar linkage at a crank angle [rad] and rate [rad/s].
+
+    The ground pins are `ground_length` [m] apart, and `gravity` [m/s2] acts along -y.
+    """
     pin = cmath.rect(crank.length, angle)
     # Freudenstein: the triangle on the diagonal from the rocker's ground pin to the crank pin gives the rocker's angle.
     diagonal = pin - ground_length
@@ -131,7 +134,7 @@ def _figures(simulation: Simulation) -> dict[str, Any]:
 
 
 def four_bar_cycle() -> Iterator[Check]:
-    """Check a crank-rocker under gravity with ideal pins over one turn, begun after half a turn: motion and forces."""
+    """Check motion and forces of a crank-rocker with ideal pins under gravity, over one turn after a half turn."""
     step = 2.0 * math.pi / RATE / (8 * SAMPLES)
     # Tolerances: the local tolerance, and ten times (rate * step)^2.
     choices: tuple[tuple[Integrator, float], ...] = (
@@ -160,9 +163,10 @@ def four_bar_cycle() -> Iterator[Check]:
 
 
 def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
-    """Return the greatest error of the crank's work in a twentieth of the last turn, relative to the greatest work.
+    """Compare the crank's work in each twentieth of the last turn with the work in the `ideal` linkage, without play.
 
-    Work is compared, because forces keep ringing in a contact that is hardly damped.
+    Return the greatest error divided by the greatest work. Forces would differ more: they keep ringing in a contact
+    that is hardly damped.
     """
     power = RATE * np.array([state.crank_moment for state in ideal])
     exact = cumulative_simpson(power, x=motion.time, initial=0.0)

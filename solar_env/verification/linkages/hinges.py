@@ -34,7 +34,7 @@ def swing(duration: float, method: Integrator, spin: float = 0.0, **joint: Any) 
 
 
 def damped_pendulum(damping: float, time: float) -> float:
-    """Return a bar's angle [rad], `time` [s] after rest at 0, on damper [N m s/rad] and spring relaxed at 1 rad."""
+    """Return a sprung and damped bar's angle [rad] `time` [s] after release from 0; the spring is relaxed at 1 rad."""
     decay, square = 0.5 * damping / INERTIA, STIFFNESS / INERTIA - (0.5 * damping / INERTIA) ** 2
     root = math.sqrt(abs(square))
     cosine, sine = (math.cos, math.sin) if square > 0.0 else (math.cosh, math.sinh)

@@ -73,7 +73,7 @@ def pendulum_motion() -> Iterator[Check]:
 
 
 def _errors(step: float, rho_inf: float) -> tuple[float, float]:
-    """Return the errors of position [m] and tension [N] after 1 s of generalized-alpha in fixed steps [s]."""
+    """Return the errors of position [m] and tension [N] after 1 s of generalized-alpha with a fixed `step` [s]."""
     simulation = _run(GeneralizedAlpha(step=step, rho_inf=rho_inf), 1.0)
     x, y, tension = exact_pendulum(1.0)
     bob = _bob(simulation)

@@ -1,7 +1,7 @@
 """Mechanisms of one modal panel under end loads, and their simulations.
 
-Mechanisms of modal panels take no dead loads. A contact, so deep and soft that the panel's motion hardly changes its
-force, exerts the force instead. A moment is the motor torque of a joint whose surfaces are too far apart to meet.
+A mechanism with modal panels accepts no dead loads. A force comes instead from a contact that is so deep and soft that
+the panel's motion hardly changes it. A moment is the motor torque of a joint whose surfaces are too far apart to meet.
 """
 
 from solar_env.mechanics.arrays import columns
@@ -44,6 +44,6 @@ def clamp(stiffness: float) -> Joint:
 
 
 def moved(simulation: Simulation, joint: int) -> tuple[complex, float]:
-    """Return displacement x + i y [m] and tangent rotation [rad] of a beam's end; `joint` indexes its `loose` joint."""
+    """Return displacement x + i y [m] and rotation [rad] of a beam's end; `joint` is the index of its `loose` joint."""
     row = simulation.joint_loads()[joint]
     return complex(row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y]), float(row[columns.ANGLE])

@@ -25,7 +25,7 @@ DAMPED = replace(PANEL, damping=1e-3, bending_stiffness=30.0 * PANEL.bending_sti
 
 
 def _swing(bearing: Bearing | None) -> Mechanism:
-    """Make a horizontal chain of two sprung panels under gravity; the fixed hinge is ideal if `bearing` is None."""
+    """Make a chain of two panels with hinge springs under gravity; the first hinge is ideal if `bearing` is None."""
     first = modal(DAMPED, MODES, position=(0.0, -bearing.clearance if bearing else 0.0))
     second = replace(first, name=OUTER, position=(PANEL.length, first.position[1]))
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0), bearing=bearing, spring=Spring(20.0, 0.5))
@@ -59,11 +59,11 @@ def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
 
 
 def order() -> Iterator[Check]:
-    """Check orders of convergence in motion and loads, of a hinge in lasting contact and of an ideal hinge.
+    """Check modal-radau's orders of convergence in motion, spring torques and joint forces, on a chain of two panels.
 
-    Reactions are the algebraic variables of a system of index two. The integrator computes reactions, and loads at the
-    ends of steps, with order three, and motion with order five. With ideal joints the reactions depend on the panels'
-    foreshortening, which lowers the order of motion to the order of the reactions.
+    The first hinge is in lasting contact, or ideal. Reactions are the algebraic variables of a system of index two.
+    Reactions, and contact forces at the ends of steps, converge with order three, and motion with order five. With
+    ideal joints reactions depend on the panels' foreshortening, which lowers the order of motion to three.
     """
     halvings = 3
     source = "three-stage Radau IIA: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996"

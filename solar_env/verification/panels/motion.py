@@ -1,7 +1,7 @@
 """Verification of a panel in large motion: loaded at an end while free or held, spun up or falling about a hinge.
 
-A turning panel is compared with ANCF beam elements, which are not limited to small deflections. They use inertial
-coordinates and another integration method.
+A turning modal panel is compared with beams of ANCF cable elements, which are not limited to small deflections. These
+elements use inertial coordinates and another integration method.
 """
 
 import cmath
@@ -62,7 +62,7 @@ def step_responses() -> Iterator[Check]:
 
 
 def bent(load: float, moment: float) -> tuple[float, float, float]:
-    """Bend a held panel; return its largest slope in its frame [rad], and relative errors of tip deflection and angle.
+    """Bend a clamped panel; return largest slope in its frame [rad], and relative errors of tip deflection and angle.
 
     Args:
         load: tip load P L^2 / (E I), across the undeformed panel.
@@ -103,13 +103,13 @@ def large_deflections() -> Iterator[Check]:
 
 
 def _scaled(factor: float, damping: float) -> Beam:
-    """Return the array's panel with both stiffnesses multiplied by `factor`, and with this `damping`."""
+    """Return the default panel with axial and bending stiffness times `factor`, and with the `damping` time [s]."""
     stiffness = (factor * PANEL.axial_stiffness, factor * PANEL.bending_stiffness)
     return replace(PANEL, axial_stiffness=stiffness[0], bending_stiffness=stiffness[1], damping=damping)
 
 
 def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> tuple[Motion, bool]:
-    """Simulate a hinged modal panel; return its tip x + i y [m] at `times`, and whether it left its valid range."""
+    """Simulate a hinged modal panel; return its tip x + i y [m] at `times`, and whether it left the theory's range."""
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0))
     mechanism = Mechanism((modal(beam),), (hinge, loose((beam.length, 0.0))), gravity=(0.0, -gravity))
     simulation, found = start(mechanism, rtol=1e-5), np.zeros(times.size, complex)
@@ -125,7 +125,7 @@ def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: T
 
 
 def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Simulate a hinged panel of ANCF beam elements; return its tip x + i y [m] at `times` [s]."""
+    """Simulate a hinged panel of ANCF cable elements; return its tip x + i y [m] at `times` [s]."""
     mechanism = flexible_pendulum(beam, ELEMENTS, gravity=gravity)
     simulation, found = Simulation(mechanism, RungeKutta(rtol=1e-4)), np.zeros(times.size, complex)
     for k, time in enumerate(times):
@@ -136,7 +136,7 @@ def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque:
 
 
 def _rigid(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Integrate a hinged rigid panel by SciPy under the same torques; return its tip x + i y [m] at `times` [s]."""
+    """Integrate a hinged rigid panel by SciPy, torque held between `times` [s]; return its tip x + i y [m] then."""
     inertia, weight = beam.mass * beam.length**2 / 3.0, 0.5 * beam.mass * gravity * beam.length
     state, found, now = np.zeros(2), np.zeros(times.size, complex), 0.0
     for k, time in enumerate(times):

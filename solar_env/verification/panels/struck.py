@@ -65,7 +65,7 @@ def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: floa
     Solids, 1975). A rigid contact would give St. Venant's solution, F = z v0 exp(-z t / m) up to T.
 
     Args:
-        impact: impact of the mass.
+        impact: impact of the mass m at the speed v0.
         length: length of the bar [m].
         impedance: z = sqrt(E A rho A) [kg/s].
         wave_speed: sqrt(E / rho) [m/s].
@@ -116,7 +116,7 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
     Args:
         impact: impact of the mass.
         beam: the beam, undamped.
-        duration: time of the end [s]; the contact must have ended by then.
+        duration: simulated time [s]; the contact must have ended by then.
         steps: number of steps.
     """
     h = duration / steps
@@ -154,7 +154,7 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
 
 
 def _strike(impact: Impact, direction: complex, modes: int, duration: float) -> tuple[float, float, float, float]:
-    """Simulate impact along (1) or across (1j); return peak force [N], impulse [N s], exit speed [m/s], contacts."""
+    """Simulate impact along (1) or across (1j); return peak [N], impulse [N s], exit speed [m/s] and contact count."""
     place, velocity = CLEARANCE * direction, impact.speed * direction
     origin, motion = (place.real, place.imag), (velocity.real, velocity.imag)
     striker = Body("striker", impact.mass, 1.0, 1.0, (0.0, 0.0), position=origin, velocity=motion)

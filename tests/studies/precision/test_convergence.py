@@ -91,7 +91,7 @@ def test_the_difference_of_means_has_the_errors_of_both():
 def test_the_page_has_means_with_the_digits_that_their_errors_allow():
     rows = two_families((9.0, 11.0), (4.0, 5.0, 6.0))
     page = convergence._page(rows)
-    assert "errors against 48 modes:" in page
+    assert "errors relative to the level 48 modes:" in page
     assert "| 48 elements | 0.5 | 1.0e-03 | 1.0e-03 | 1.0e-03 |" in page
     assert "| 48 elements | 2 | 1 | 10.0 / 1 |" in page
 

@@ -57,7 +57,7 @@ class CableElements(BodyKind[FlexibleBody]):
             constants += band.ravel().tolist()
 
     def fill_marker(self, body: FlexibleBody, row: np.void, first: int, point: Point) -> None:
-        """Write the marker record `row` for the node at `point`; the marker's direction is the node's slope."""
+        """Write marker `row` (direction: slope) for the node at `point`; `first`: index of the first coordinate."""
         node = first + 4 * body.node(point)
         row["i1"], row["i2"], row["a1"] = node, node + 2, 1.0
 
@@ -87,7 +87,7 @@ class CableElements(BodyKind[FlexibleBody]):
         return force
 
     def error_weight(self, body: FlexibleBody) -> Array:
-        """Return error-norm weights (n,): 1 for positions; slopes are converted to displacements of equal inertia."""
+        """Return error-norm weights (n,), which convert coordinates to translations of equal inertia; positions: 1."""
         slope = math.sqrt(4.0 / 156.0) * body.length / body.elements
         return np.tile([1.0, 1.0, slope, slope], body.elements + 1)
 
@@ -97,13 +97,13 @@ class CableElements(BodyKind[FlexibleBody]):
         return matrices.stable_step(body.elements, body.element_length, body.linear_density, *stiffness, body.damping)
 
     def rigid_motions(self, q: Array) -> Array:
-        """Return the coordinate rates (3, n) of rigid motions; a translation does not change the nodes' slopes."""
+        """Return coordinate rates (3, n) of unit-speed motion along x and y (slopes fixed), and about the origin."""
         motions = super().rigid_motions(q)
         motions[:2, 2::4] = motions[:2, 3::4] = 0.0
         return motions
 
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Return equally spaced points (..., k, 2) [m] on the elements' cubic curves; a shared node counts once."""
+        """Return equally spaced points (..., k, 2) [m] on the cubic elements, shared nodes once; `row`: beam record."""
         elements = int(row["elements"])
         nodes = q.reshape(*q.shape[:-1], elements + 1, 2, 2)
         places = np.arange(elements + 1) * float(row["element_length"])
@@ -112,7 +112,7 @@ class CableElements(BodyKind[FlexibleBody]):
 
 
 def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
-    """Return the table of all beams' elements, in blocks of LANES elements; other bodies are skipped.
+    """Return the table of all beams' elements, in blocks of LANES that are computed together; skip other bodies.
 
     Args:
         bodies: pair (index of the first coordinate, description) of every body.
@@ -204,7 +204,7 @@ def kinetic_energy(body, constants, v):
 
 @kernel(inlined=False)
 def add_mass_matrix(body, constants, weight, elimination, matrix):
-    """Add weight * (a beam's mass matrix) to the profile matrix `matrix` (`profile.py`)."""
+    """Add weight * (a beam's mass matrix) to the profile matrix `matrix`, ordered by `elimination` (`profile.py`)."""
     for i in range(body.coordinates // 2):
         for k in range(max(0, MASS_BAND - 1 - i), MASS_BAND):
             j = i - (MASS_BAND - 1) + k

@@ -18,7 +18,8 @@ TABLE_ROWS = 19
 def add_axial_point(point, x, axial, damping, f):
     """Return `f`, an element's forces and damping power, plus the axial contribution of one quadrature point.
 
-    `point`: a row of `AXIAL`; `x`: chord and end slopes, then their rates; `axial`: E A L; `damping`: retardation time.
+    `point`: a row of `AXIAL`, with weights of chord and end slopes in r' and the quadrature weight. `x`: chord and end
+    slopes, then their rates. `axial`: E A L. `damping`: retardation time [s].
     """
     d, a, b, _, _, _, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
@@ -75,8 +76,8 @@ def element_forces(lanes, constants, table):
     Args:
         lanes: number of elements, each of which has a column of `table`.
         constants: (3 * LANES,) E A L, E I / L and retardation time by element.
-        table: (TABLE_ROWS * LANES,) rows. The first twelve, chord and slopes and then their rates, are read. The last
-            seven are written: the forces by chord and slopes, viscous part included, and the damping power [W].
+        table: (TABLE_ROWS * LANES,) rows. The first twelve (chord and slopes, then their rates) are read. The last
+            seven are written: generalized forces of chord and slopes, viscous part included, and damping power [W].
     """
     for i in range(lanes):
         x = (

@@ -1,4 +1,4 @@
-"""Mass and stiffness matrices of straight cable-element beams, and quadrature of the strains. Plain NumPy."""
+"""Mass and stiffness matrices of straight beams of ANCF cable elements, and quadrature of the strains. Plain NumPy."""
 
 import cmath
 import math
@@ -15,7 +15,7 @@ _REPRESENTATIVE_ELEMENTS = 12
 
 
 def _quadrature(points: int) -> tuple[tuple[float, ...], ...]:
-    """Return a row per Gauss point of [0, 1]: weights of chord and end slopes in r', then L r''; quadrature weight."""
+    """Return a row per Gauss point of [0, 1]: weights of chord and slopes in r', then in L r''; quadrature weight."""
     nodes, weights = np.polynomial.legendre.leggauss(points)
     rows = []
     for s, w in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):

@@ -1,9 +1,9 @@
-"""Derivatives of the internal forces in cable-element beams (`element.py`), for implicit integration.
+"""Derivatives of the internal forces in beams of ANCF cable elements (`element.py`), for implicit integration.
 
 An element with x = (chord, slopes) has the strains e(x) and the strain rates e' = G x' with G = de/dx. Its internal
 force is the integral of G^T (stiffness) (e + damping * e'). At a quadrature point the axial strain depends on r', and
-the bending strain on r' and L r''. Derivatives by r' and L r'' are computed first; the shape functions turn them into
-derivatives by x. Vector registers take several elements at a time, which needs separate inputs and outputs.
+the bending strain on r' and L r''. Derivatives with respect to r' and L r'' come first; the shape functions turn them
+into derivatives with respect to x. Vector registers take several elements at a time: inputs and outputs are separate.
 """
 
 import math
@@ -24,7 +24,7 @@ _POINTS = len(AXIAL) + 4 * len(BENDING)
 
 
 class ElementSlopes(NamedTuple):
-    """Work arrays of `add_elastic_tangents`; each row has one entry for each of COLUMNS elements."""
+    """Work arrays of `add_elastic_tangents`: rows in turn, each with one entry for each of COLUMNS elements."""
 
     motion: NDArray[np.float64]  # 12 rows: chord and slopes, then their rates
     local_stiffness: NDArray[np.float64]  # 4 rows for each of the _POINTS blocks
@@ -45,7 +45,7 @@ def make_element_slopes() -> ElementSlopes:
 
 
 def _expansion() -> NDArray[np.float64]:
-    """Return the weights (9, _POINTS) with which `_expand` sums derivatives, by pair of (chord, slope a, slope b)."""
+    """Return weights (9, _POINTS) of local derivatives that `_expand` sums; rows: pairs of chord, slopes a and b."""
     rows = []
     for i in range(3):
         for j in range(3):
@@ -62,7 +62,7 @@ _EXPANSION = _expansion()
 
 @kernel
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Write axial forces' derivatives at quadrature `point` to `stiffness` (by r') and `viscosity` (by its rate)."""
+    """Compute axial-force derivatives at a quadrature `point`: d/dr' in `stiffness`, d/d(rate of r') in `viscosity`."""
     d, a, b, _, _, _, w = point
     for i in range(lanes):
         rx = d * table[i] + a * table[2 * COLUMNS + i] + b * table[4 * COLUMNS + i]
@@ -91,7 +91,7 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Write bending forces' derivatives at quadrature `point` to `stiffness` (by r', L r''), `viscosity` (by rates)."""
+    """Compute bending-force derivatives at `point`: d/dr', d/d(L r'') in `stiffness`, d/d(rates) in `viscosity`."""
     d, a, b, e, g, h, w = point
     for i in range(lanes):
         dx, dy, ax, ay = table[i], table[COLUMNS + i], table[2 * COLUMNS + i], table[3 * COLUMNS + i]
@@ -156,7 +156,7 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _expand(lanes, local, found):
-    """Write force derivatives by chord and slopes to `found`: weighted sums of `local` over the quadrature points."""
+    """Write force derivatives with respect to chord and slopes to `found`, summed from `local` at quadrature points."""
     for pair in range(9):
         weights = _EXPANSION[pair]
         for entry in range(4):
@@ -176,7 +176,7 @@ def _expand(lanes, local, found):
 
 @kernel
 def _scatter(elimination, matrix, k, inverse, slopes, i):
-    """Add `slopes` of element `i` (first coordinate `k`, 1 / length `inverse`) to a profile matrix of nodal blocks."""
+    """Add element `i`'s force derivatives `slopes` to a profile matrix; `k`: first coordinate; `inverse`: 1/length."""
     inner, outer = elimination.position[k] // BLOCK, elimination.position[k + BLOCK] // BLOCK
     cross = elimination.base[outer] + inner
     innermost, upper = matrix.diagonal[inner], matrix.upper[cross]
@@ -196,7 +196,7 @@ def _scatter(elimination, matrix, k, inverse, slopes, i):
 
 @kernel(inlined=False)
 def add_elastic_tangents(elements, q, v, slopes, elimination, stiffness, damping):
-    """Add df/dq to profile matrix `stiffness` and df/dv to `damping`; f: internal forces that resist deformation."""
+    """Add df/dq to profile matrix `stiffness`, df/dv to `damping`; f: resisting beam forces; `slopes`: work arrays."""
     motion = slopes.motion
     for block in range(elements.offset.shape[0]):
         offset, inverse_length = elements.offset[block], elements.inverse_length[block]

@@ -5,9 +5,9 @@ O. Bruls, Multibody Syst. Dyn. 18 (2007) 185, doi:10.1007/s11044-007-9084-0. Con
 scaled by beta h^2 (C. L. Bottasso, O. A. Bauchau and A. Cardona, SIAM J. Sci. Comput. 29 (2007) 397,
 doi:10.1137/050638503). With rho_inf = 1 the method is the trapezoidal Newmark scheme, beta = 1/4, gamma = 1/2.
 
-Fixed steps divide a call evenly and do not end at events: contacts, latches and stops act inside Newton's iteration. A
-change of step size makes the auxiliary accelerations inconsistent. They are then solved anew on the acceleration level,
-at the time t + (alpha_m - alpha_f) h for which they are valid.
+Fixed steps divide a call of `advance` evenly and do not end at events: contacts, latches and stops act inside Newton's
+iteration. A change of step size makes the auxiliary accelerations inconsistent. They are then solved anew on the
+acceleration level, at the time t + (alpha_m - alpha_f) h for which they are valid.
 """
 
 import math
@@ -260,9 +260,10 @@ def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
 
 @kernel
 def prepare(model, state, arrays):
-    """Compute impact speeds in `arrays.work`, and powers in `arrays.iteration`, at the start of a step.
+    """Compute impact speeds in `arrays.work`, and powers in `arrays.iteration.power`, at a step's start.
 
-    A free journal gets its present approach speed as the impact speed, in case the step ends in contact.
+    Powers are the time derivatives of `state.integrals`: of work and dissipation [W], and of impulses [N]. A journal
+    out of contact in its clearance gets its approach speed as the impact speed, in case the step ends in contact.
     """
     work, joint_states = arrays.work, state.joints
     for j in range(model.joints.size):
@@ -287,7 +288,7 @@ def engage_stops(model, state, arrays):
 
 @kernel
 def begin_alpha(model, state, settings, arrays):
-    """Prepare the work arrays for a call, from the model and its present state; return True."""
+    """Prepare the work arrays for a call of `advance`, from the model and its present state; return True."""
     it = arrays.iteration
     engage_stops(model, state, arrays)
     fill_rows(model, arrays.work)
@@ -305,13 +306,13 @@ def begin_alpha(model, state, settings, arrays):
 
 @kernel
 def choose_alpha(model, state, settings, arrays, remaining):
-    """Return the step to try [s]: the fixed step, shortened so that a whole number of steps ends the call."""
+    """Return the step to try [s]: the fixed step, shortened so that equal steps fill the `remaining` time [s]."""
     return remaining / math.ceil(remaining / settings.step - 1e-9)
 
 
 @kernel
 def attempt_alpha(model, state, settings, arrays, h):
-    """Solve a step `h` [s]; return 0, or more than 1 if Newton's iteration fails, or -1 if constraints are singular."""
+    """Solve a step `h` [s]; return 0, or -1 for singular constraints, or > 1 or NaN if Newton's iteration fails."""
     clock, trial, it, work = state.clock[0], arrays.trial[0], arrays.iteration, arrays.work
     prepare(model, state, arrays)
     copy_into(it.start_q, state.q)
@@ -339,7 +340,7 @@ def complete_alpha(model, state, settings, arrays, h):
 
 @kernel
 def sample_alpha(model, state, settings, arrays, recorder, h, share):
-    """Record a sample at `share` of the step: positions by a cubic Hermite polynomial, velocities by its derivative."""
+    """Record a sample at fraction `share` of the step: cubic Hermite positions, and their derivative as velocities."""
     it, work, scratch = arrays.iteration, arrays.work, arrays.scratch
     for i in range(state.q.size):
         rise = it.q[i] - it.start_q[i]
@@ -375,7 +376,7 @@ def commit_alpha(model, state, settings, arrays, h, share):
 
 @kernel
 def evaluate_alpha(model, state, arrays, changed):
-    """Copy joint angles, rates and forces at the accepted state to `arrays.motion`; return True."""
+    """Copy joint angles, rates and forces at the accepted state to `arrays.motion`; ignore `changed`; return True."""
     take_loads(arrays.work.loads, arrays.motion)
     return True
 

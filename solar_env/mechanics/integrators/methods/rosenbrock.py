@@ -66,7 +66,7 @@ class StageSettings(NamedTuple):
 
 
 class StageArrays(NamedTuple):
-    """Work arrays of integration methods with stages for one thread; reused for every mechanism of a batch."""
+    """Work arrays of integration methods with stages for one thread, which uses them for all mechanisms of a batch."""
 
     trial: NDArray[np.void]  # (1,) rows of `trial.trial_type`
     motion: NDArray[np.void]  # (joints,) rows of `trial.joint_motion_type`
@@ -89,7 +89,7 @@ def convert_settings(chosen: RungeKutta) -> StageSettings:
 
 
 def make_stage_arrays(model: Model, state: State) -> StageArrays:
-    """Allocate a thread's work arrays of integration methods with stages, for a mechanism."""
+    """Allocate one thread's work arrays for a mechanism and an integration method with stages."""
     work, scratch = make_workspace(model, state), make_workspace(model, state)
     stages, stiff, step = make_stages(state, STAGES), make_stiff_forces(state), make_linear_step(model, state, work)
     trial, motion = np.zeros(1, trial_type), np.zeros(state.joints.size, joint_motion_type)
@@ -98,7 +98,7 @@ def make_stage_arrays(model: Model, state: State) -> StageArrays:
 
 @kernel
 def present_velocity_scale(velocity_scale, weights, v0, v):
-    """Return the error norm's velocity scale [m/s], which is reduced while a flexible mechanism moves slowly."""
+    """Return the error norm's velocity scale [m/s], reduced if `weights` times step velocities `v0`, `v` are small."""
     top = 0.0
     for i in range(v.size):
         top = max(top, weights[i] * max(abs(v0[i]), abs(v[i])))
@@ -107,7 +107,7 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
 
 @kernel
 def begin_rosenbrock(model, state, settings, arrays):
-    """Prepare work arrays for a call, and clear values of earlier calls; return False if constraints are singular."""
+    """Prepare arrays for a call of `advance`, clear earlier calls' values; return False if constraints are singular."""
     step = arrays.step
     arrays.stiff.active[0] = 0
     step.linearized[0] = NEVER
@@ -119,7 +119,7 @@ def begin_rosenbrock(model, state, settings, arrays):
 
 @kernel
 def choose_rosenbrock(model, state, settings, arrays, remaining):
-    """Return the step to try [s] by accuracy, impacts and stability; set in `trial` whether it is linearly implicit."""
+    """Return the step to try [s] by accuracy, impacts, stability; note in `arrays.trial` if it is linearly implicit."""
     clock, trial, stable = state.clock[0], arrays.trial[0], _STABILITY_MARGIN * model.stable_step
     wanted = step_limit(state, settings)
     trial.implicit = settings.implicit and clock.explicit_wait <= 0 and wanted > _WORTH * stable
@@ -149,7 +149,10 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
 
 @kernel
 def adapt_rosenbrock(model, state, settings, arrays, accepted):
-    """After the next step's size is set, set when to try the next linearly implicit step, in `state.clock`."""
+    """Update, in `state.clock`, the number of explicit steps before the next try of a linearly implicit step.
+
+    After an `accepted` step that only the stability limit has bounded, keep the step size that accuracy alone allows.
+    """
     clock, trial = state.clock[0], arrays.trial[0]
     if accepted and settings.implicit:
         clock.explicit_wait -= not trial.implicit

@@ -107,7 +107,12 @@ def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
 
 @kernel
 def add_length_slopes(model, state, a, newton, diagonal):
-    """Add slopes of length constraints d.a + u.u = 0 to `newton.matrix`; d joins base points, u = d' and a = d''."""
+    """Add derivatives of length constraints g = d.d'' + d'.d' = 0 with respect to coordinates and velocities.
+
+    The vector d joins the two base points whose coordinates describe a rigid body. `newton.matrix` gets (gamma h)^2
+    times the derivative d'' of g by d, plus gamma h times its derivative 2 d' by d'. `a` (n,) are the accelerations at
+    the start of the step, and `diagonal` is gamma h.
+    """
     q, v, elimination = state.q, state.v, model.elimination
     first = q.size + model.constraints.size.size
     for b in range(model.bodies.size):
@@ -122,7 +127,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
 
 @kernel
 def set_stage(state, stages, step, s, h):
-    """Compute coordinates, velocities, accelerations, multipliers, sums over past stages for stage `s` in `step`."""
+    """Write coordinates, velocities, accelerations, multipliers and past-stage sums of stage `s` to `step`."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
     copy_into(q, state.q)
     copy_into(v, state.v)
@@ -149,7 +154,7 @@ def set_stage(state, stages, step, s, h):
 
 @kernel
 def solve_stage(model, state, stages, step, s, force, diagonal):
-    """Solve for the increments of stage `s`, in `step`; `force` (n,) is the applied force at `step.q` and `step.v`."""
+    """Solve stage `s`, write its increments to `step`; `force` (n,): applied at `step.q`, `.v`; `diagonal`: gamma h."""
     elimination, position = model.elimination, model.elimination.position
     n, rows = state.q.size, model.constraints.size.size
     x, factor, product = step.unknowns, step.factor, step.product
@@ -188,7 +193,11 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
 
 @kernel
 def border_length(state, start_a, step, k, row, position, diagonal):
-    """Add a length constraint, and its multiplier's nonlinear force, to the stage's right-hand side `step.unknowns`."""
+    """Add a length constraint, and its multiplier's nonlinear force, to a stage's right-hand side `step.unknowns`.
+
+    `start_a` (n,): accelerations at the step's start. `k`: index of the body's first coordinate. `row`: index of the
+    constraint's multiplier. `position`: places of the unknowns in the elimination order. `diagonal`: gamma h.
+    """
     q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
     multiplier, start = step.multipliers[row], state.multipliers[row]
     square = diagonal * diagonal
@@ -214,7 +223,7 @@ def evaluate_forces(model, joint_states, q, v, work):
 
 @kernel
 def take_contacts_from_ends(joints, power, gain, h):
-    """Replace Simpson's rule by the trapezoidal rule for the contacts' integrals in `gain`.
+    """Compute contacts' time integrals over a step in `gain` by the trapezoidal rule, from their rates in `power`.
 
     The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step.
     The solution resolves the depth at the step's ends, but the interpolant does not resolve it in between.

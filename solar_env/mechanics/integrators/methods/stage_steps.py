@@ -54,10 +54,9 @@ def take_loads(loads, motion):
 
 @kernel(inlined=False)
 def begin_stages(model, state, settings, arrays):
-    """Prepare arrays for a call, with the last accelerations if still valid; return False if constraints are singular.
+    """Prepare arrays for a call of `advance`, keeping valid accelerations; return False if constraints are singular.
 
-    The stages are cleared, because a stage that a step has not reached yet enters with weight zero, and zero times a
-    value that is not finite would not be zero.
+    The stage arrays are set to zero: stages not computed yet enter with weight zero, but zero times NaN would be NaN.
     """
     work, stages, clock = arrays.work, arrays.stages, state.clock[0]
     for array in (stages.velocity, stages.acceleration, stages.power):
@@ -212,7 +211,7 @@ def open_contact(model, state, arrays, j):
 
 @kernel
 def contact_arcs(model, state, arrays, j):
-    """Return the contact arcs on journal and bearing as (middle, half-width) [rad]; short steps have half-width 0."""
+    """Return the contact arcs on journal and bearing as (middle, half-width) [rad]; the half-width is 0."""
     joint, markers, loads = model.joints[j], model.markers, arrays.work.loads
     ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
     journal = vector_angle(markers[joint.outboard], state.q, ex, ey)

@@ -66,7 +66,7 @@ def set_impact_speeds(joint_states, impact_speeds):
 
 @kernel(inlined=False)
 def refresh(model, state, stages, work):
-    """Evaluate the accepted state's derivatives in `stages` and `state`; return False if constraints are singular."""
+    """Write the accepted state's accelerations and powers to `stages`, `state`; False if constraints are singular."""
     set_impact_speeds(state.joints, work.impact_speeds)
     clock = state.clock[0]
     regular = accelerations(
@@ -89,7 +89,7 @@ def refresh(model, state, stages, work):
 
 @kernel
 def quintic_weights(s):
-    """Return quintic Hermite weights at fraction `s` of position, velocity * h, acceleration * h^2: start, then end."""
+    """Return quintic Hermite weights at step fraction `s`: of x, x' h and x'' h^2 at the start, then at the end."""
     s3 = s * s * s
     end = s3 * (10.0 - s * (15.0 - 6.0 * s))
     return (

@@ -3,8 +3,8 @@
 The end slope of a beam element has next to no inertia, so that a latch's damper slows it within microseconds; a journal
 that rests in its bearing could vibrate on the contact's stiffness within milliseconds. Explicit steps would have to
 resolve these times even if nothing moves. However, the stiff part A of the Jacobian is known. Let g be the gradient of
-the stop's angle or of the contact's depth, w the accelerations by a unit force with its friction, and k and c stiffness
-and damping. Applied to rates u of coordinates and a of velocities, A gives - w (k g.u + c g.a) as rate of
+the stop's angle or of the contact's depth, w the accelerations due to a unit force with its friction, k the stiffness
+and c the damping. Applied to rates u of coordinates and a of velocities, A gives - w (k g.u + c g.a) as rate of
 accelerations. For contacts it also gives the part of a along g as rate of velocities. A W-method (T. Steihaug and A.
 Wolfbrandt, Math. Comput. 33 (1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
 
@@ -158,7 +158,7 @@ def collect(model, state, work, stiff, h):
 
 @kernel
 def separate_motions(stiff, count):
-    """Compute, in `stiff.motion`, motions along one gradient only; return False if gradients are linearly dependent."""
+    """Write motions of 1 along one gradient, 0 along others, to `stiff.motion`; False if gradients are dependent."""
     if not lu_factor(stiff.matrix, count):
         return False
     for k in range(count):
@@ -176,7 +176,7 @@ def separate_motions(stiff, count):
 
 @kernel
 def measure_rest(model, state, work, stiff, count, start, h):
-    """Compute `stiff.rest`, the accelerations' rate without stiff forces, by finite difference; False if singular."""
+    """Compute d(acceleration)/dt without stiff forces by difference in `stiff.rest`; False for singular constraints."""
     q, v, time = state.q, state.v, state.clock[0].time
     delta = _PROBE * h
     q1, v1, rest = stiff.probe_q, stiff.probe_v, stiff.rest

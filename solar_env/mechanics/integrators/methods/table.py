@@ -45,7 +45,8 @@ class Kernels:
     """Kernels that a method provides to the run loop (`run.py`), which calls them.
 
     Of their arguments, `arrays` are the method's work arrays, including `trial` and `motion` (`arrays/trial.py`), `h`
-    is the size of the current step [s], and `share` is a fraction of the step from 0 to 1.
+    is the size of the current step [s], and `share` is a fraction of the step from 0 to 1. A call means one call of
+    `run.advance`.
 
     Attributes:
         begin: prepares the arrays for a call, computes `motion` and a first step; False if constraints are singular.
@@ -200,7 +201,7 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable) -> Callable:
-    """Return a function from kernel settings to `pick(kernels)` of their method, which is resolved at compile time."""
+    """Return a function that maps kernel settings to `pick(kernels)` of their method; the compiler resolves it."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 

@@ -103,9 +103,10 @@ def summed_torque(loads, j):
 
 @kernel
 def add_torque_powers(torques, rate, weight, j, out):
-    """Add to `out` `weight` times the powers of joint `j`'s motor torque, latch torque, damper and dry friction.
+    """Add to `out`, times `weight`, the power of joint `j`'s motor and the dissipation of latch, damper and friction.
 
-    `out` holds time integrals or their rates; `rate` is the joint's [rad/s]. Vectors are summed over their elements.
+    `weight` is 1 where `out` holds rates of time integrals, and a time [s] where it holds the integrals. `rate` is the
+    joint's [rad/s]. Vectors are summed over their elements.
     """
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.MOTOR_WORK] += sum_lanes(weight * torques.motor * rate)
@@ -115,7 +116,7 @@ def add_torque_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_resistance_powers(torques, rate, weight, j, out):
-    """Add to `out` `weight` times the dissipation of joint `j`'s damper and dry friction, as `add_torque_powers`."""
+    """Add to `out`, times `weight`, the dissipation by joint `j`'s damper and friction; see `add_torque_powers`."""
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.DAMPER_DISSIPATION] -= sum_lanes(weight * torques.damping * rate)
     out[first + m.HINGE_FRICTION_DISSIPATION] -= sum_lanes(weight * torques.friction * rate)
@@ -123,7 +124,7 @@ def add_resistance_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_cable_power(cable, torque, rate, weight, out):
-    """Add `weight` times the power of a cable loop to its entry of `out`, which holds time integrals or their rates.
+    """Add the power of a cable loop, times `weight`, to its entry of `out` (see `add_torque_powers`).
 
     `torque` acts on the outer joint [N m]; `rate` is the inner wheel's [rad/s]. The power is zero if torque ratio and
     wheel ratio are equal. Vectors are summed over their elements.

@@ -1,8 +1,8 @@
 """Stops of a hinge: stow stop, latch, end stop without a latch, and hold-down, all with the same torque law.
 
-The law is BISTOP with STEP damping (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188, Eqs 5-7).
-Latch and hold-down have two faces, other stops one. The free play is the distance of a face from the stop's angle; it
-is 0 for a hold-down.
+The law is ADAMS' BISTOP, with damping ramped by its function STEP (Y. Li, C. Wang and W. Huang, Mech. Syst. Signal
+Process. 117 (2019) 188, Eqs 5-7). Latch and hold-down have two faces, other stops one. The free play is the distance of
+a face from the stop's angle; it is 0 for a hold-down.
 """
 
 import math
@@ -48,7 +48,8 @@ def stop_depth(joint, joint_state, angle):
 def stop_torque(joint, joint_state, angle, rate):
     """Return the stops' torque on the joint angle [N m], its elastic part, and its slopes by angle and rate.
 
-    A stop that is not engaged exerts no torque: the torque is then smooth within a step of an explicit method.
+    A stop exerts no torque unless `joint_state` says that it is engaged, which changes only between steps: within a
+    step of an explicit method, the torque is smooth.
     """
     if not joint_state.stop_engaged:
         nothing = 0.0 * angle

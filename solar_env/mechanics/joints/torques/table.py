@@ -39,7 +39,7 @@ def compile_table(points: tuple[tuple[float, float], ...]) -> NDArray[np.float64
 
 @kernel(inlined=False)
 def table_torque(table, points, angle):
-    """Return the torque [N m] at an angle [rad], and its slope [N m/rad], by a compiled table with `points` knots."""
+    """Return the torque [N m] at an angle [rad] and its slope [N m/rad] from a compiled `table` of `points` knots."""
     torque, slope = table[0, 1] + table[0, 2] * (angle - table[0, 0]), table[0, 2] + 0.0 * angle
     for k in range(1, points + 1 if points > 1 else 1):
         beyond = angle - table[k, 0]

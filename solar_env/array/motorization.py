@@ -4,7 +4,7 @@ ECSS-E-ST-33-01C Rev. 2 (2019), clause 4.7.5.3, asks for an actuation torque of 
 resistances. An uncertainty factor multiplies each resistance; the factor is smaller for a measured resistance.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,10 +62,19 @@ class Motorization:
         """State in a sentence where the hinge stalls, or its least torque ratio."""
         ratio, angle = self.ratio
         if self.stalls_at is not None:
-            return f"{self.name} has no torque left from {self.stalls_at:.3g} rad on"
+            return f"{self.name}: no torque left from {self.stalls_at:.3g} rad on, without any factor"
         if np.isinf(ratio):
-            return f"{self.name} has nothing to overcome"
-        return f"{self.name} has {ratio:.2f} of the torque asked for, least at {angle:.3g} rad"
+            return f"{self.name}: nothing to overcome"
+        short = ", which is too little" if ratio < 1.0 else ""
+        return f"{self.name}: {ratio:.2f} of the torque asked for, least at {angle:.3g} rad{short}"
+
+
+def listed(hinges: Sequence[Motorization]) -> str:
+    """State the motorization of hinges in one line, with equal hinges together."""
+    names = dict[str, list[str]]()
+    for hinge in hinges:
+        names.setdefault(str(hinge).removeprefix(hinge.name), []).append(hinge.name)
+    return "; ".join(f"{', '.join(equal)}{told}" for told, equal in names.items())
 
 
 def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None = None) -> tuple[Motorization, ...]:

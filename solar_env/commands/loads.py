@@ -25,7 +25,7 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
     """level of the model, by default flexible-clearance, of 6 elements where panels have fittings; solar-env ladder
     --ask tells of others"""
     runs: int = 16
-    """deployments at each of the two levels; 0 prints motorization and frequencies alone"""
+    """deployments at each of the two levels, without those for sensitivities; 0 prints motorization and frequencies"""
     window: float = 10.0
     """time simulated after the last latching [s]"""
     deadline: float = 60.0

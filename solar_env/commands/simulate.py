@@ -14,7 +14,7 @@ from rich.table import Table
 
 from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
-from solar_env.array.motorization import motorization
+from solar_env.array.motorization import listed, motorization
 from solar_env.commands.arguments import ArrayOption, Assignments, QuietOption
 from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import counting_bar
@@ -95,7 +95,7 @@ def run_command(args: Args) -> int:
         _print_summary(summary)
         hinges = motorization(parameters)
         if any(hinge.asked.any() for hinge in hinges):
-            print(f"Motorization: {'; '.join(map(str, hinges))}.")
+            print(f"Motorization: {listed(hinges)}.")
         if np.isnan(trajectory.latch_times).any():
             print(_unlatched(parameters, trajectory.latch_times, trajectory.angles[-1], args.duration))
         if args.json:

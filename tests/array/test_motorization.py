@@ -37,8 +37,8 @@ def test_friction_and_damper_resist_over_the_whole_opening():
 def test_a_spring_that_is_relaxed_before_the_lock_is_told_where():
     root, outer = motorization(ArrayParameters(**{**FREE, "spring_preload_angle": (0.8, 4.0)}))
     assert root.stalls_at == pytest.approx(0.8, abs=math.pi / 400)
-    assert str(root).startswith("joint 1 has no torque left from 0.8")
-    assert str(outer) == "joint 2 has nothing to overcome"
+    assert str(root).startswith("joint 1: no torque left from 0.8")
+    assert str(outer) == "joint 2: nothing to overcome"
 
 
 def test_hinges_that_cable_loops_hold_together_share_their_torques():

@@ -116,8 +116,9 @@ def test_a_map_finds_the_softest_latch_that_holds_and_says_which_designs_fail(tm
     assert design.best.values["latch_stiffness"] == 250.0
     lines = answer(design)
     assert lines[0].startswith("latch_stiffness = 250, hinge_damping = ")
-    assert "It lies at the end of the range of latch_stiffness" in lines[1]
-    assert "of 9 designs fail (no latching within 3 s: " in lines[2]
+    assert lines[1] == "Motorization of this design: joint 1: nothing to overcome."
+    assert "It lies at the end of the range of latch_stiffness" in lines[2]
+    assert "of 9 designs fail (no latching within 3 s: " in lines[3]
     again = Bench(asked, tmp_path, 1, Console(quiet=True))
     assert again.measured([(design.points[0].values, design.level, 0)]) == [design.points[0]]
 

@@ -66,7 +66,9 @@ def read_parameters(path: str | Path) -> ParameterFile:
         marked_16 = encoded.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
         values: dict[str, Any] = tomllib.loads(encoded.decode("utf-16" if marked_16 else "utf-8-sig"))
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"{path} is no TOML: {error}; solar-env parameters prints a file") from error
+        raise ValueError(
+            f"{path} is no TOML: {error}; put words in quotation marks, as solar-env parameters prints them"
+        ) from error
     try:
         return _parameter_file(values)
     except ValueError as error:

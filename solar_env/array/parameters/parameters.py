@@ -78,8 +78,8 @@ class ArrayParameters:
         hinge_friction_torque: torque of dry friction in each hinge, by joint [N m], in addition to journal friction.
         hinge_friction_rate: joint rate over which hinge friction smoothly changes sign, by joint [rad/s]; None takes a
             hundredth of the rate at which the spring would open a lone panel (chosen: far below opening rates).
-        cable_stiffness: stiffness of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen:
-            keeps the joint angles at 1 : 2 within a degree up to the latching).
+        cable_stiffness: stiffness of the closed cable loops between neighbouring joints, by loop [N m/rad]; 0 for
+            no loops (chosen: keeps the joint angles at 1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner joint of a loop divided by the torque on the outer one; None takes the
             wheel ratio (2 at the root), which conserves energy (chosen). A ratio of 1 agrees with the paper's latch
             time, but destroys half of the springs' work, 0.24 J of 0.49 J up to the latching.

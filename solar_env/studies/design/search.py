@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solar_env.array.motorization import listed, motorization, weakest
 from solar_env.studies.common.motion import Level
 from solar_env.studies.common.tables import Row
 from solar_env.studies.design.plan import DesignPlan
@@ -110,6 +111,8 @@ def answer(design: Design) -> list[str]:
             f"{values}: {least.name} {figure} {least.unit}{kept}, by fresh runs at the finest level ({before} "
             f"{least.unit} at {design.level.name}); as it is, the array has {shortened(now, 3)} {least.unit}."
         )
+        hinges = motorization(weakest(plan.parameters(best.values), plan.array.randomize))
+        lines.append(f"Motorization of this design: {listed(hinges)}.")
         if confirmed.failing:
             lines.append(f"At the finest level this design fails ({confirmed.failing}): ask for more than you need.")
         shares = {change.label: change.share(best.values[change.name]) for change in plan.changes}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, ParameterFile
 from solar_env.array.construction import build_deployed
-from solar_env.array.motorization import FACTORS, MARGIN, motorization, weakest
+from solar_env.array.motorization import FACTORS, MARGIN, UNHURRIED, listed, motorization, weakest
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.analysis.linearization import natural_modes
 from solar_env.mechanics.equations.build import compile_mechanism
@@ -65,8 +65,7 @@ def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> l
     counted = ", ".join(f"{name} {value:g}" for name, value in used.items())
     parameters = array.parameters
     found = motorization(weakest(*array), factors)
-    told = {(hinge.ratio, hinge.stalls_at): str(hinge) for hinge in reversed(found)}  # mirrored hinges once
-    hinges = "; ".join(reversed(told.values()))
+    hinges = listed(found)
     if all(math.isinf(hinge.ratio[0]) for hinge in found):
         hinges = "no friction, harness or damper is given, and no hinge has anything to overcome"
     latched = " and latched" if all(parameters.for_each_joint("latching")) else " and held at its stops"
@@ -77,6 +76,7 @@ def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> l
     )
     return [
         f"Motorization: {hinges} (springs and resistances at the worst ends of the drawn ranges, {MARGIN:g} times the "
-        f"resistances, with the uncertainty factors of ECSS-E-ST-33-01C: {counted}; without the friction of the pins).",
+        f"resistances, with the uncertainty factors of ECSS-E-ST-33-01C: {counted}; dampers at the rate of an opening "
+        f"in {UNHURRIED:g} s; without the friction of the pins).",
         f"Deployed{latched}, {loops}the array vibrates at {held} Hz with its hub held, at {free} Hz with it free.",
     ]

@@ -223,7 +223,8 @@ class EnvironmentSettings:
     def check_changes(self, changes: Changes) -> None:
         """Raise a ValueError if an episode cannot have these changes of parameters, given by name.
 
-        Refused changes alter the mechanism's structure, or contradict values that may be sampled.
+        A change is refused if it is invalid, alters the mechanism's structure, or is inconsistent with a value that may
+        be drawn for another parameter.
         """
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")

@@ -77,7 +77,7 @@ class AbsoluteCoordinates(Formulation):
         return KINDS[row["kind"]].centreline(row, of_body, points_per_element)
 
     def modal_range(self, model: Model, state: State) -> tuple[float, float]:
-        """Return (0, 0) for the panels' end slope and spin ratio, because the formulation has no modal panels."""
+        """Return (0, 0): end slope and spin rate / bending frequency, which say if modal panels hold, do not apply."""
         return 0.0, 0.0
 
     def constraint_force_defect(self, model: Model, state: State) -> tuple[float, float]:

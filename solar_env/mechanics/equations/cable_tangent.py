@@ -54,7 +54,10 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 
 @kernel
 def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
-    """Measure wheel angles from the chord: set gradients in `tangent.cable_gradient`, correct Hessians in `by_q`."""
+    """Add the derivatives that arise because wheel angles are measured from the chord of the body between the joints.
+
+    Gradients with respect to q go to `tangent.cable_gradient`, second derivatives times torques to `by_q`.
+    """
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]
     places, index, gradient = tangent.b, tangent.cable_coordinates, tangent.cable_gradient

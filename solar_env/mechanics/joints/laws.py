@@ -195,11 +195,11 @@ def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
 
 
 def bracket(surfaces: Surfaces, restitution: float) -> PowerLaw:
-    """Return the contact law of surfaces far stiffer than their bracket: F = K depth (1 + d rate / v).
+    """Return the contact law of surfaces far stiffer than the brackets that carry the bearing and the journal.
 
-    K is the bracket's stiffness; the surfaces' own depth is neglected. For example, 337 N move a bracket of 1e7 N/m by
-    34 um, but press a steel sphere of radius 4 mm only 2.5 um into a brass seat with 25 um of clearance. The exit
-    speed ratio is exactly the restitution.
+    F = K depth (1 + d rate / v) with stiffness K of both brackets in series, damping factor d, and speed v at the start
+    of contact; the surfaces' own depth is neglected. For example, 337 N move a bracket of 1e7 N/m by 34 um, but press a
+    steel sphere of radius 4 mm only 2.5 um into a brass seat with 25 um of clearance. The restitution is exact.
 
     Raises:
         ValueError: if `surfaces.bracket_stiffness` is None, or `surfaces.stiffness`, which is for spheres, is given.

@@ -1,5 +1,5 @@
-"""Design studies of an array: a grid over one or two parameters, or a search over several, by quantities of `loads`.
+"""Design studies of an array: a grid over one or two parameters, or a search over several.
 
-`plan` states the question, `points` simulates designs at a sufficient model level, `search` finds the best design, and
-`plot` draws the designs. Imports `loads` and `common`.
+Designs are judged by the quantities that the study `loads` computes. `plan` states the question, `points` simulates
+designs at a sufficient model level, `search` finds the best one, `plot` draws them. Imports `loads` and `common`.
 """

@@ -87,8 +87,8 @@ def control(level: Level, member: int, window: float) -> Outcome:
     """Simulate an ensemble member under every controller, each time until `window` [s] after the last latching.
 
     Returns:
-        The outcome, with the answer RANKING: (controllers, 2) peak force [N] and sliding work [J] after the first
-        latching, summed over the joints as in the environment's reward.
+        The outcome. It answers the question RANKING with an array (controllers, 2): peak force [N] and sliding work [J]
+        after the first latching, summed over the joints as in the environment's reward.
 
     Raises:
         ValueError: if a controller misses the environment's deadline, so that no ranking exists.

@@ -119,7 +119,7 @@ def effect_text(effects: Effects, parameter: str) -> str:
 
 
 def sureness(effects: Effects) -> str:
-    """Return in words the variance fraction that a regression explains, or the size of changes that is mere scatter."""
+    """State the variance that a regression explains or, for one change at a time, how large a change scatter causes."""
     if math.isfinite(effects.explained):
         return f"{100.0 * max(effects.explained, 0.0):.0f} % of the variance explained"
     return f"below {shortened(100.0 * effects.noise)} % is scatter" if effects.noise > 0.0 else "scatter unknown"

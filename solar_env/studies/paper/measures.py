@@ -54,9 +54,10 @@ def over_joints(choose: Callable[[Iterable[float]], float], figure: FigureOfJoin
 
 
 def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
-    """Return a function of two trajectories, with clearance distributions 1 and 2: a ratio of the quantity `figure`.
+    """Return a function that takes the trajectories with clearance distributions 1 and 2, and returns a ratio.
 
-    The joint's value at 0.2 mm clearance is divided by that at 0.1 mm. Distribution 1 has 0.1 mm at joint 1, 0.2 at 2.
+    `figure` at the joint in the trajectory where it has 0.2 mm clearance is divided by that in the other, where it has
+    0.1 mm. In distribution 1 joint 1 has 0.1 mm and joint 2 has 0.2 mm; distribution 2 is the reverse.
     """
     return lambda one, two: figure((two, one)[joint], joint) / figure((one, two)[joint], joint)
 

@@ -192,7 +192,7 @@ def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """Return a title with the least ratio, for each model, of the peer's wall time to ours at no larger error."""
+    """Return a title: by model, the least ratio of the peer's wall time to ours where ours is at least as accurate."""
     least: dict[str, float] = {}
     for row in rows.where(peer=1).rows:
         ratio = ratio_at_equal_error(rows, row)

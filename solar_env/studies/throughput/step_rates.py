@@ -177,6 +177,7 @@ def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
     return (
         f"Environment steps of 0.1 s per second of wall time, by number of environments, with {threads} threads:\n\n"
         f"{markdown_table(('model', *map(str, LANES)), rates)}\n\n"
-        f"Ratios of such rates: threads and compiled calls with {SCALED_LANES} environments, other vectors with "
-        f"{COMPARED_LANES}:\n\n{markdown_table((*columns, *(f'ratio to {peer}' for peer in PEERS)), ratios)}"
+        f"The next table divides such rates: {threads} threads by 1 with {SCALED_LANES} environments, and this vector "
+        f"by other vector environments with {COMPARED_LANES}:\n\n"
+        f"{markdown_table((*columns, *(f'ratio to {peer}' for peer in PEERS)), ratios)}"
     )

@@ -8,6 +8,7 @@ import sys
 
 import gymnasium
 import numpy as np
+import torch
 from matplotlib.figure import Figure
 from stable_baselines3 import PPO
 from stable_baselines3.common.monitor import Monitor
@@ -16,6 +17,7 @@ import solar_env  # noqa: F401 (registers the environments)
 
 STEPS = int(sys.argv[2]) if len(sys.argv) > 2 else 100_000
 
+torch.set_num_threads(1)  # networks this small only lose time to further threads
 env = Monitor(gymnasium.make("solar_env/Deploy-v2"))
 model = PPO("MlpPolicy", env, n_steps=min(2048, STEPS), seed=0, device="cpu")
 model.learn(STEPS)

@@ -198,7 +198,8 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 def v1_return(figures: Mapping[str, Any]) -> float:
     """Compute the return of a deployment by the rewards of task version 1, from its results `info["deployment"]`.
 
-    Tables of controllers have this return as `v1_return`. A missed deadline is charged as 1, without the mean distance to the lock.
+    Tables of controllers have this return as `v1_return`. A missed deadline is charged as 1, without the mean distance
+    to the lock.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])

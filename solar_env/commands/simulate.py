@@ -112,9 +112,9 @@ def _unlatched(parameters: ArrayParameters, latch_times: Array, angles: Array, d
     open_joints = [row for row in parameters.joints if np.isnan(latch_times[row.index])]
     latched, hinges = len(parameters.joints) - len(open_joints), motorization(parameters)
     text = f"{latched or 'None'} of {len(parameters.joints)} joints latched within {duration:g} s: "
-    weak = [str(hinges[row.index]) for row in open_joints if hinges[row.index].stalls_at is not None]
+    weak = listed([hinges[row.index] for row in open_joints if hinges[row.index].stalls_at is not None])
     ends = [f"{row.name} is at {angles[row.index]:.3g} of {row.lock_angle:.3g} rad" for row in open_joints]
-    return text + ("; ".join(weak) if weak else f"{', '.join(ends)}; simulate longer") + "."
+    return text + (weak or f"{', '.join(ends)}; simulate longer") + "."
 
 
 def _print_summary(summary: dict[str, object]) -> None:

@@ -2,6 +2,7 @@
 
 import textwrap
 from pathlib import Path
+from typing import Any
 
 from solar_env.array import compilation_note
 from solar_env.commands.study import Args
@@ -45,8 +46,7 @@ def _walk_parameters(args: Args, folder: Path) -> int:
             task = progress.add_task("parameters", total=len(ranges.NAMES) * len(ranges.MODELS) * len(ranges.FACTORS))
             ranges.measure(table, lambda: progress.advance(task))
     measured = read_table(table)
-    classes = ", ".join(f"{len(measured.where(**{'class': kind}).rows)} {kind}" for kind in measured.values("class"))
-    print(f"{table}: {classes}")
+    print(f"{table}: {_counts(measured)}")
     return int(ranges.SILENT in measured.values("class"))
 
 
@@ -58,11 +58,15 @@ def _report(name: str, path: Path) -> int:
 
     table = read_table(path)
     draw_map(path, path.with_suffix(".png"))
-    counts = [f"{len(table.where(**{'class': kind}).rows)} {kind}" for kind in table.values("class")]
-    print(f"{name}: {', '.join(counts)}")
+    print(f"{name}: {_counts(table)}")
     print(f"  {path}, {path.with_suffix('.png')}")
     print(textwrap.fill(table.provenance["advice"], _COLUMNS, initial_indent="  ", subsequent_indent="  "))
     silent = len(silent_failures(table).rows)
     if silent:
         print(f"  {silent} of the failures passed without a word of the library")
     return int(silent > 0)
+
+
+def _counts(table: Any) -> str:
+    """Count the runs of a table by their class, in words."""
+    return ", ".join(f"{len(table.where(**{'class': kind}).rows)} {kind}" for kind in table.values("class"))

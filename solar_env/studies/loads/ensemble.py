@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, ModelLevel, ParameterFile
-from solar_env.array.motorization import motorization
+from solar_env.array.motorization import listed, motorization
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
@@ -162,8 +162,8 @@ def check_latching(plan: LoadsPlan) -> None:
 
 
 def _never(plan: LoadsPlan, where: str) -> str:
-    stalled = [str(hinge) for hinge in motorization(plan.array.parameters) if hinge.stalls_at is not None]
-    why = "; ".join(stalled) or "give a longer --deadline, or stiffer springs"
+    stalled = [hinge for hinge in motorization(plan.array.parameters) if hinge.stalls_at is not None]
+    why = listed(stalled) or "give a longer --deadline, or stiffer springs"
     return f"{where} all joints latch within {plan.deadline:g} s; {why}"
 
 

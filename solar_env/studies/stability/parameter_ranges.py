@@ -32,8 +32,6 @@ BESIDE: dict[str, dict[str, Any]] = {
     "gravity": _GROUND, "offloading_share": _GROUND, "offloading_friction": _GROUND,
 }  # fmt: skip
 NAMES = tuple(name for name in vars(ArrayParameters()) if name in ArrayParameters.CONTINUOUS)
-# Parameters that are counts, names and switches.
-NO_QUANTITIES = tuple(name for name in vars(ArrayParameters()) if name not in ArrayParameters.CONTINUOUS)
 FINE, WARNED, STOPPED, REFUSED, SILENT = "fine", "warned", "stopped", "refused", "silent failure"
 
 

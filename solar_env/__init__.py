@@ -5,7 +5,7 @@ deployment. `gymnasium.make("solar_env/Deploy-v2")` makes one environment, `gymn
 
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `read_parameters` reads
 parameters from a file, `build` makes the array's mechanism. `MODELS` lists the levels of model fidelity by name;
-`cheapest_level` names the cheapest one that answers a question. `simulate` returns a `Trajectory`; a `Simulation`
+`cheapest_level` names the cheapest one that is accurate enough. `simulate` returns a `Trajectory`; a `Simulation`
 advances step by step with an integrator: `RungeKutta`, `Rosenbrock`, `ModalRadau` or `GeneralizedAlpha`.
 `SolarArrayEnv` and `SolarArrayVectorEnv` are the environments; `Hardware` describes sensors and motors. A run that
 cannot continue raises `SimulationError`; a doubtful result causes a `SimulationWarning`.

@@ -17,10 +17,10 @@ class ModelOptions:
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 
     def keywords(self, default: Mapping[str, object] | None = None) -> Keywords:
-        """Return the environment keywords of the options, which override `default`.
+        """Return the environment keywords that the options `model` and `env_kwargs` give; they override `default`.
 
         Raises:
-            ValueError: The two options name different models.
+            ValueError: Both options name a model, and the two models differ.
         """
         model, given = self.model, self.env_kwargs
         if model is not None and given.get("model", model) != model:

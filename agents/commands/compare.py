@@ -18,8 +18,8 @@ class Args(ArrayOption, ModelOptions, WorkerOptions, CommandRecord):
     """Compare a controlled drive with a passive damper, on your array.
 
     The damping of the hinges and the drive's laws are tuned on the array, by the environment's return; a shipped policy
-    takes part where it fits. The model is rigid-clearance unless another is named; the drive's limit is the
-    environment's, --env-kwargs torque_limit=0.3.
+    takes part where it fits. The model is rigid-clearance unless another is named. The drive's torque limit is the
+    environment's default, unless you change it, as in --env-kwargs torque_limit=0.3.
     """
 
     points: int = 100

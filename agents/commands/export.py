@@ -29,7 +29,7 @@ def run_command(args: Args) -> int:
     try:
         from agents.policies.onnx_form import onnx_model
     except ImportError as error:
-        raise ValueError("exporting needs ONNX: pip install 'solar-env[onnx]'") from error
+        raise ValueError("exporting needs ONNX: pip install -e '.[onnx]'") from error
     write_bytes(args.out, onnx_model(runs.best_policy(args.policy)).SerializeToString())
     print(f"written to {args.out}")
     return 0

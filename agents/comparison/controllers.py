@@ -79,6 +79,8 @@ class NamedController:
         if self.base in LAWS or self._is_model:
             return None
         if not (self.folder / runs.CONFIG).is_file():
+            if Path(f"{self.base}.zip").is_file():
+                raise FileNotFoundError(f"no controller {self.base!r}; did you mean the saved model {self.base}.zip?")
             known = ", ".join((*LAWS, *runs.shipped()))
             raise FileNotFoundError(
                 f"no controller {self.base!r}: it is no run folder of train.py, no model.zip, and none of {known}"
@@ -100,7 +102,7 @@ def parse_controller(text: str) -> NamedController:
     The path of an existing folder is always a SPEC alone, even if it contains "=".
 
     Raises:
-        ValueError: A search has no controller to begin at, or would begin at another search.
+        ValueError: SPEC is "receding-horizon" alone, or a search ("receding-horizon:SPEC") around another search.
     """
     name, separator, spec = text.partition("=")
     if not separator or Path(text).is_dir():

@@ -168,9 +168,9 @@ def common_environment(
 ) -> tuple[str, Keywords]:
     """Return the environment id and the keywords on which all trained controllers among `controllers` agree.
 
-    `env_id`, if not None, replaces their id; without both, the id is `DEFAULT_ENV_ID`. Keywords of observation, action
-    and control period, and all keywords that `given` names, are left out. The keyword "randomize" is left out too if
-    `given` is not empty, or if the training had another id.
+    The id is `env_id` if given, otherwise the trained controllers' id, or `DEFAULT_ENV_ID` if no controller is trained.
+    Keywords of observation, action and control period, and all keywords that `given` names, are left out. The keyword
+    "randomize" is left out too if `given` is not empty, or if the training had another id.
 
     Raises:
         ValueError: The controllers were trained on different environments; the user must choose one.

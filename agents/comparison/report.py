@@ -100,7 +100,7 @@ def _cell(value: Estimate, figure: str) -> str:
 
 
 def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
-    """Format a mean times a factor by `form`, such as "{:.3g}", followed by its interval from `FEWEST` values on."""
+    """Format mean * factor by `form`, such as "{:.3g}"; append the interval if there are at least `FEWEST` values."""
     text = form.format(value.mean * factor)
     if value.count < FEWEST:
         return text

@@ -26,8 +26,8 @@ class UntunedWarning(UserWarning):
 def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
     """Read the tuned parameters of the law `name` for a model of `env_id` from `agents/configs/<name>.json`.
 
-    The name of a model has no number of modes or elements, as in flexible-clearance. A model without tuned parameters
-    gets, with a warning, parameters for `FALLBACK_MODEL`, which deploy the array but are not the best for that model.
+    `model` is a name such as "flexible-clearance", without a number of modes or elements. A model without tuned
+    parameters gets, with a warning, parameters for `FALLBACK_MODEL`, which deploy the array but are not the best.
 
     Raises:
         ValueError: The file has no usable entry for `env_id`, or its keys are not the law's parameters.

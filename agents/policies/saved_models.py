@@ -40,7 +40,7 @@ _OTHERS = ("critic", "actor_target", "mlp_extractor.value_net", "value_net", "lo
 
 
 def read_model(path: str | Path) -> PolicyNetwork:
-    """Read the network that computes a deterministic action from a file that Stable-Baselines3's `model.save` wrote.
+    """Read a file that Stable-Baselines3's `model.save` wrote; return the network that gives deterministic actions.
 
     Raises:
         FileNotFoundError: The file does not exist.

@@ -78,7 +78,10 @@ def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float])
 
 
 def _main_body(p: ArrayParameters) -> AnyBody:
-    """Return the main body, described by its points (0, hinge_y) and (body_length, hinge_y) from the centroid [m]."""
+    """Return the main body, whose base points lie at (0, hinge_y) and (hinge_x, hinge_y) from its centroid [m].
+
+    If hinge_x is nearly zero, the second point lies at (body_size, hinge_y). The points' positions are coordinates.
+    """
     return Body(
         "main body",
         p.body_mass,

@@ -1,6 +1,6 @@
-"""Levels of model fidelity by cost and error (the ladder), and the cheapest level for a question and a tolerance.
+"""The ladder of model levels: their measured errors and costs, and the cheapest level that is accurate enough.
 
-Errors and costs of the levels are read from a table that `solar-env ladder` measured.
+A question, such as "peak-force", names a computed result. `solar-env ladder` has measured the errors for each question.
 """
 
 import csv
@@ -29,12 +29,13 @@ _LARGEST_TOLERANCE = 10.0  # largest tolerance accepted; a greater one was meant
 
 @dataclass(frozen=True)
 class Answer:
-    """Error and cost of one model level for one of the QUESTIONS, measured by an ensemble of simulations.
+    """Error and cost of a model level for one question, which names a computed result such as "peak-force".
 
     Attributes:
         question, level: a key of QUESTIONS, and the level's name as `ModelLevel.of` takes it.
-        error: relative error of an ensemble's mean against a reference that is finer than all levels; the error of the
-            worst joint if there are several joints.
+        error: relative error of the result's mean over an ensemble of simulations, against a reference finer than all
+            levels: the greatest of all joints, or times of a path. For "controller-ranking" it is the fraction of
+            controller pairs in the wrong order.
         half_width: half the width of the error's 95 % sampling band.
         cost_ratio: wall time divided by the wall time of the reference, measured side by side.
         evaluations: mean number of right-hand side evaluations per member of the ensemble.
@@ -51,15 +52,15 @@ class Answer:
 
     @property
     def bound(self) -> float:
-        """Error plus half-width: the smallest tolerance to which the level answers the question."""
+        """Error plus half-width of its band: the smallest tolerance within which the level computes the result."""
         return self.error + self.half_width
 
 
 def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
-    """Read the packaged table of answers, or another table that `solar-env ladder` wrote.
+    """Read a table (CSV) that `solar-env ladder` wrote, by default the packaged one; return an `Answer` for each row.
 
     Raises:
-        ValueError: if the file cannot be read or is not a table of answers.
+        ValueError: if the file cannot be read or is not such a table.
     """
     kinds = get_type_hints(Answer)
     try:
@@ -74,7 +75,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """Return the answers to a question that are Pareto-optimal in `bound` and cost, in the order of rising bound."""
+    """Return the Pareto front of answers to `question`, a key of QUESTIONS: `bound` rises while `cost_ratio` falls."""
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
         if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
@@ -83,11 +84,11 @@ def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
 
 
 def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answer:
-    """Return the answer of the cheapest level whose error, including its sampling band, is within a tolerance.
+    """Return the answer of the cheapest level for `question`, a key of QUESTIONS, whose `bound` is within a tolerance.
 
     Raises:
-        ValueError: if the question is unknown or was not measured, the tolerance is not positive or exceeds 10, or no
-            level is accurate enough.
+        ValueError: if the question is unknown or was not measured, the relative tolerance is not positive or exceeds 10
+            (1000 %), or no level is accurate enough.
     """
     check_name("question", question, QUESTIONS)
     check_positive("tolerance", tolerance)

@@ -78,7 +78,7 @@ def listed(hinges: Sequence[Motorization]) -> str:
 
 
 def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None = None) -> tuple[Motorization, ...]:
-    """Compare driving and resisting torques of every hinge, and of each whole wing if cable loops couple its hinges.
+    """Return a `Motorization` (driving, resisting torques) per hinge, then per wing if cable loops couple its hinges.
 
     Args:
         parameters: array parameters. Motor torque and the friction of the journals, which are unloaded, do not count.
@@ -137,9 +137,10 @@ def _hinge(p: ArrayParameters, joint: JointRow, factors: Mapping[str, float]) ->
 
 
 def _weight(p: ArrayParameters, joint: int) -> Array:
-    """Compute the opening torque (angles,) [N m] that the weight of the panels beyond a joint exerts on the joint.
+    """Compute the opening torque [N m] on a joint by the weight of the panels beyond, at _ANGLES angles of the joint.
 
-    All joints open in proportion to their lock angles. The weight that hangers carry does not count.
+    The angles are evenly spaced from 0 (folded) to the lock angle; all joints have opened by the same fraction of their
+    lock angles. The weight that off-loading hangers carry is left out.
     """
     opened = np.array([row.sign * (np.linspace(0.0, row.lock_angle, _ANGLES) - row.fold_angle) for row in p.joints])
     turned = np.concatenate([np.cumsum(wing, axis=0) for wing in np.split(opened, p.wings)])

@@ -87,11 +87,10 @@ class FolderOptions:
     """measure nothing, draw the figures from the tables again"""
 
     def folders(self, name: str, tables: Path | None = None, figures: Path | None = None) -> tuple[Path, Path]:
-        """Make and return folders for tables and figures; with the option `draw` the folder of tables must exist.
+        """Make and return the folders (tables, figures) to which a study writes: both are `out`, or `name` without it.
 
-        Args:
-            name: name of the folder for both, unless the option `out` or `readme` is set.
-            tables, figures: folders beside the study's page, for the option `readme`; None stands for `name`.
+        The option `readme` takes the folders `tables` and `figures` of the package instead, near the study's README.md;
+        None stands for `name`. With the option `draw` tables are only read, so that their folder must exist.
 
         Raises:
             ValueError: if both `out` and `readme` are given.

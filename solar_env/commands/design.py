@@ -12,11 +12,11 @@ PICTURE = "design.png"
 
 @dataclass
 class Args(ArrayOption, WorkerOptions, CommandRecord):
-    """Find the values of some parameters that make a figure least.
+    """Find parameter values that minimise a quantity of a deployment.
 
-    One or two parameters are mapped, more are searched by CMA-ES. A figure is taken at the joint where it is greatest,
-    in the unit in which `loads` prints it. All joints have the same value of a parameter, or are scaled alike where
-    their values differ.
+    One or two parameters are tried on a grid, more are searched by CMA-ES. A quantity is read at the joint where it is
+    greatest, in the unit in which `loads` prints it. All joints have the same value of a parameter, or are scaled alike
+    where their values differ.
     """
 
     change: list[str] = field(default_factory=lambda: ["hinge_damping", "latch_damping"])

@@ -1,4 +1,4 @@
-"""`solar-env ladder`: measurements of levels of model fidelity, and the cheapest level that answers a question."""
+"""`solar-env ladder`: errors and costs of model levels, and the cheapest level that computes a result accurately."""
 
 import math
 from dataclasses import dataclass
@@ -17,10 +17,10 @@ SECTION = Section(STUDIES / "ladder" / "README.md", "ladder", "solar-env ladder 
 
 @dataclass
 class Args(FolderOptions, QuietOption):
-    """Tell the cheapest level for a question, or measure the levels.
+    """Name the cheapest model level for a result, or measure all levels.
 
-    With --readme the table goes into solar_env/array/data, where --ask, loads and solar_env.cheapest_level look it up.
-    The figure and the levels chosen go into the page of the study.
+    With --readme the table goes into solar_env/array/data, where --ask and solar_env.cheapest_level look it up. The
+    figure and a table of the best levels go into the study's page, solar_env/studies/ladder/README.md.
     """
 
     ask: Annotated[str | None, tyro.conf.arg(help=f"name the cheapest level for one of: {', '.join(QUESTIONS)}")] = None
@@ -55,10 +55,10 @@ def run_command(args: Args) -> int:
 
 
 def choices(answers: tuple[Answer, ...]) -> str:
-    """Return a Markdown table of model levels, cheapest first, with the tolerance to which each answers each question.
+    """Return a Markdown table of model levels, cheapest first: relative wall time, and an error for each of QUESTIONS.
 
-    Tolerances are the errors of the levels, sampling included, rounded up to two digits. An entry is empty where
-    another level is as accurate at no greater cost, and where the error may reach 100 %.
+    Errors include the sampling error, and are rounded up to two digits. An entry is empty where another level is as
+    accurate at no greater cost, and where the error may reach 100 %. Levels without any entry are left out.
     """
     told: dict[str, dict[str, Answer]] = {}
     for question in QUESTIONS:

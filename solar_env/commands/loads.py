@@ -17,8 +17,8 @@ from solar_env.support.progress import wide_console
 class Args(ArrayOption, WorkerOptions, CommandRecord):
     """Say how hard hinges and hub are hit, and how sure that is.
 
-    An ensemble, released slightly differently and drawn from the tolerances of the file, is simulated at a level of the
-    model, and at the finest one.
+    An ensemble of deployments is simulated at a level of the model, and at the finest one. Deployments differ slightly
+    in their initial joint rates, and in parameters drawn from the tolerances in the array's parameter file.
     """
 
     model: str | None = None
@@ -43,10 +43,10 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Simulate an ensemble of deployments, print a summary and tables of the loads, and write the requested files."""
-    from solar_env.studies.loads.ensemble import LoadsPlan, check_latching, measure_loads
+    from solar_env.studies.loads.ensemble import LoadsPlan, check_latching, measure_loads, measure_sensitivity
     from solar_env.studies.loads.hub import write_hub_loads
     from solar_env.studies.loads.page import loads_page
-    from solar_env.studies.loads.report import answer, tables
+    from solar_env.studies.loads.report import answer, tables, what_changes
     from solar_env.studies.loads.runs import deploy
     from solar_env.studies.loads.statics import statics
     from solar_env.support.versions import versions
@@ -76,7 +76,11 @@ def run_command(args: Args) -> int:
         warm_up(args.console, model, method)
     if any(hinge.stalls_at is not None for hinge in motorization(array.parameters)):
         check_latching(plan)
-    loads = measure_loads(plan, args.out, workers, args.console)
+    loads, printed = measure_loads(plan, args.out, workers, args.console), wide_console()
+    for line in answer(loads, before):
+        printed.print(line, highlight=False)
+    loads = measure_sensitivity(loads, args.out, workers, args.console)
+    printed.print(what_changes(loads), highlight=False)
     if args.html or args.hub:
         nominal = deploy(plan.levels[0], array.parameters, 0, plan.window, plan.deadline)
     if args.html:
@@ -86,9 +90,6 @@ def run_command(args: Args) -> int:
         write_page(loads_page(loads, nominal, notes, before), args.html)
     if args.hub:
         write_hub_loads(array.parameters, nominal.trajectory.time, nominal.hub_loads, args.hub)
-    printed = wide_console()
-    for line in answer(loads, before):
-        printed.print(line, highlight=False)
     for table in tables(loads):
         shown = Table(*table.columns, title=table.title)
         for row in table.rows:

@@ -106,7 +106,7 @@ def run_command(args: Args) -> int:
     try:
         import pygame
     except ImportError as error:
-        raise ValueError("the window needs pygame: pip install 'solar-env[play]'") from error
+        raise ValueError("the window needs pygame: pip install -e '.[play]'") from error
     import gymnasium
 
     import solar_env  # noqa: F401 (registers the environments)

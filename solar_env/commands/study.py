@@ -19,7 +19,7 @@ _NAMES = "\n".join(f"{name}: {summary}" for name, summary in table.summaries(tab
 
 @dataclass
 class Args(FolderOptions, WorkerOptions, CommandRecord):
-    """Measure a study of the pages again, and draw it."""
+    """Repeat a documentation page's study, and draw its figures."""
 
     name: Annotated[str, tyro.conf.Positional, tyro.conf.arg(help=_NAMES)] = ""
     only: list[str] = field(default_factory=list)

@@ -42,7 +42,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     | Num | Action | Min | Max | Unit |
     |-----|--------|-----|-----|------|
-    | 0   | Logarithm of the rate at which the driven hinge is to open | -1 | 1 | 4.5 |
+    | 0   | u / 4.5, where u sets the rate at which the driven hinge is to open | -1 | 1 | - |
 
     The drive's rate setpoint is 0.098 exp(u) rad/s for negative u and 0.098 (1 + 0.05 u) rad/s for positive u, where u
     follows 4.5 times the action with a lag of 5 s. An action of 0 deploys the array unhurriedly: 0.098 rad/s opens the
@@ -63,12 +63,12 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     `Box` of float32. Values are clipped to the bounds; `observation_names` names the entries in order. The keyword
     `observation` lists the observables; `_i` stands for one entry per joint, from 1 at the root. The keyword `hardware`
-    sets the imperfections of the sensors.
+    sets the imperfections of the sensors. These are all observables:
 
     <observables>
 
     * "scaled" is the default: distances to the locks and opening rates, latch switches, time, and the setpoint.
-      Distances and rates have logarithmic scales, on which the values that decide a landing are of order one.
+      Distances and rates have asinh scales, which resolve the small values shortly before a latching.
     * "drive" observes what a hinge drive can measure: `theta_i`, `rate_i`, `latched_i`, `motor_torque`,
       `time_to_deadline`, `time_since_latch`.
     * "history" extends "drive" by the angles, rates and motor torque observed one, two and three periods ago
@@ -81,7 +81,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     The reward is the sum of the terms in `info["reward_terms"]`. Each term charges a physical quantity, the "figure":
     in each step it is minus the growth of the figure's cost. With x = `min(figure / scale, bound)` the cost is
     `weight * x`, or `weight * log10(1 + x)` in the form "decades". Over an episode a term adds up to minus the final
-    cost. The keyword `reward` changes weights, scales, bounds and forms; terms of weight 0 are left out.
+    cost. The keyword `reward` changes weights, scales, bounds and forms; terms of weight 0 are left out. All terms:
 
     <terms>
 

@@ -27,7 +27,7 @@ Info = dict[str, Any]  # Gymnasium's `info` of a step, or the figures of a deplo
 
 class SavedEpisode(NamedTuple):
     """A copy of an episode between two steps, see `Episodes.save`: parameters, settings, simulation state (contacts
-    included), latest reward terms, quantities charged so far, and the states of drives and sensors.
+    included), latest reward terms, their physical quantities so far, and the states of drives and sensors.
     """
 
     parameters: ArrayParameters
@@ -99,7 +99,7 @@ class Episodes:
         return np.array(self.batch.states.clock["time"][:, 0])
 
     def check_lanes(self, lanes: NDArray[np.int64]) -> None:
-        """Raise ResetNeeded if `lanes` (k,), the environments to reset, are not all environments at the first reset."""
+        """Raise ResetNeeded if this is the first reset and `lanes` (k,), the environments to reset, leave any out."""
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
 
@@ -151,7 +151,7 @@ class Episodes:
 
         Args:
             lanes: (k,) indices of the lanes that advance.
-            actions: (lanes, motors) see `Task.action`; clipped to [-1, 1].
+            actions: (all lanes, motors) see `Task.action`; clipped to [-1, 1]. Rows of other lanes are ignored.
 
         Returns:
             Mapping from lane to error for simulations that cannot continue; usually empty. A failed lane keeps its last
@@ -180,7 +180,7 @@ class Episodes:
         return failures
 
     def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
-        """Return, by lane (environment), time [s] and charged quantities in the form that a user's reward takes."""
+        """Return, by lane (environment), the argument of a user's reward function: time [s] and quantities by term."""
         times, told = self.times.tolist(), self.settings.terms.told
         return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 

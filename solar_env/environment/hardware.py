@@ -32,9 +32,9 @@ class Hardware:
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
         attitude_noise: standard deviation of the noise in the main body's measured direction [rad].
         rate_loop_gain: torque of the drive's rate loop per rate error [N m s/rad].
-        rate_loop_frequency: least number of rate-loop samples per second [Hz]; a driven panel so light that the loop
-            would shake it gets a multiple. The loop reads the rate with `rate_noise` and without delay, and holds its
-            torque from one sample to the next.
+        rate_loop_frequency: number of rate-loop samples per second [Hz], multiplied by a whole number if the loop would
+            otherwise shake a light driven panel. The loop reads the rate with `rate_noise` and without delay, and holds
+            its torque from one sample to the next.
         rate_loop_lag: time constant of the low-pass filter on the rate loop's torque [s]; 0 for no filter. Without a
             filter the loop reacts to the journals' rattle in their bearings, and shakes flexible panels.
         setpoint_rate_limit: greatest rate of change of the rate loop's setpoint [rad/s^2].

@@ -34,16 +34,16 @@ class EnvironmentSettings:
         model: level of fidelity: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". Flexible
             levels may state their discretisation, as in "flexible-clearance:8 modes" (up to 200; 32 by default) or
             "flexible-ideal:6 elements" (1 to 1000). With ideal joints, joint reactions replace contact forces and
-            nothing wears. `solar_env.cheapest_level("controller-ranking", 0.2)` gives the cheapest level that answers a
-            question, here within 20 %.
+            nothing wears. `solar_env.cheapest_level("controller-ranking", 0.2)` names the cheapest level that ranks at
+            most 20 % of the pairs of controllers wrongly.
         parameters: an `ArrayParameters`, or a mapping of changes to the scenario's parameters.
         version: version of the task, which sets the defaults of the keywords below: limits and times, observation,
-            action, rate loop and reward prices.
+            action, rate loop, and scales and weights of the reward.
         torque_limit, control_period, deadline, settling_window, driven_joint, action: see `task.task.Task`.
         observation: "scaled", "drive", "history" or "privileged"; or a list of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`, where "rate_1_ago" is the rate one control period
             ago. A list may also contain the four names, each for all its observables.
-        reward: changes to the version's prices, by term: a weight, or a mapping of "scale", "weight", "bound" and
+        reward: changes to the version's reward, by term: a weight, or a mapping of "scale", "weight", "bound" and
             "form". Or a user's function, see `solar_env.environment.task.reward.RewardFunction`.
         scenario: "nominal" or "randomised"; `parameters`, `randomize` and `hardware` change the scenario's values.
         randomize: mapping of parameter names to (low, high), which replaces the scenario's ranges around the array's
@@ -187,7 +187,7 @@ class EnvironmentSettings:
 
     @cached_property
     def terms(self) -> Reward:
-        """The reward: its terms with their prices, or the user's function."""
+        """The reward: its terms, each with scale, weight, bound and form, or the user's function."""
         return Reward(self.reward, VERSIONS[self.version])
 
     @cached_property

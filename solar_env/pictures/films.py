@@ -63,5 +63,5 @@ def encoder() -> ModuleType:
     try:
         import imageio_ffmpeg
     except ImportError as error:
-        raise ValueError("MP4 needs imageio-ffmpeg: pip install 'solar-env[video]', or write a .gif") from error
+        raise ValueError("MP4 needs imageio-ffmpeg: pip install -e '.[video]', or write a .gif") from error
     return imageio_ffmpeg

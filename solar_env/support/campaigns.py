@@ -122,11 +122,20 @@ class Campaign:
                 yield cell
 
     def run_shown(self, workers: int, console: Console, cells: str) -> list[Any]:
-        """Compute missing results under a progress bar labelled `cells`; return the results of all cells, in order."""
+        """Compute missing results under a progress bar labelled `cells`; return the results of all cells, in order.
+
+        Where the console is no terminal, a line is printed before the first, and at every tenth of the missing results.
+        """
+        total, missing = len(self.cells), len(self.missing)
+        lines = Console(quiet=True) if console.is_interactive else console
+        if missing:
+            lines.print(f"{total - missing} of {total} {cells}", highlight=False, soft_wrap=True)
         with counting_bar(console) as bar:
-            task = bar.add_task(cells, total=len(self.cells), completed=len(self.cells) - len(self.missing))
-            for _ in self.run(workers):
+            task = bar.add_task(cells, total=total, completed=total - missing)
+            for done, _ in enumerate(self.run(workers), 1):
                 bar.advance(task)
+                if 10 * done // missing > 10 * (done - 1) // missing:
+                    lines.print(f"{total - missing + done} of {total} {cells}", highlight=False, soft_wrap=True)
         return self.results()
 
     def _kept(self) -> str:

@@ -40,7 +40,7 @@ def plain(value: object) -> Any:
 def check_types(record: Any) -> None:
     """Check that the fields of a dataclass hold values of their annotated types.
 
-    An int must not be negative, a float must be finite, and a tuple must hold identifiers. A mapping may hold anything.
+    Ints must not be negative, floats must be finite, tuples must hold Python identifiers; mappings may hold anything.
 
     Raises:
         ValueError: a field holds another value; the message names the field, its value and the expected type.

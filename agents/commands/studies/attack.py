@@ -33,8 +33,8 @@ FILE = "attack.json"
 def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: Task) -> np.ndarray:
     """Return the actions (n,) of action profiles (n, NUMBERS) at times (n,) [s], one for each environment of a batch.
 
-    A profile holds actions at equal intervals, and amplitude, half-period and phase of a chatter, once for the time
-    before the first latch and once for the time after. `latched` (n,) is true where a joint has latched.
+    A profile holds actions at equal intervals up to the deadline of `task`, and amplitude, half-period and phase of two
+    superposed square waves (chatter): before and after the first latch. `latched` (n,) is true if a joint has latched.
     """
     knots = np.linspace(0.0, task.deadline, KNOTS)
     steady = np.array([np.interp(t, knots, 2.0 * of[:KNOTS] - 1.0) for t, of in zip(times, profiles, strict=True)])
@@ -46,7 +46,7 @@ def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: 
 
 
 def passive_profile() -> np.ndarray:
-    """Return the action profile (NUMBERS,) of zero actions, in which the superposed chatter has zero amplitude."""
+    """Return the profile (NUMBERS,) of zero actions, in which the superposed square waves have zero amplitude."""
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 

@@ -45,7 +45,7 @@ PACE = "seconds_per_step.json"  # file of a run folder, written when the run has
 def run(args: Args) -> int:
     """Train agents with five seeds each and draw all learning curves; finished runs are not trained again.
 
-    A curve whose runs are not in the folder, for example because others trained them, keeps its values in the table.
+    The curves are drawn from learning_curves.csv. A curve without finished runs in the folder keeps its values there.
     """
     cases = args.parts(list(CASES))
     out, figures = args.folders("learning", figures=FIGURES)

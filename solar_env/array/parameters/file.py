@@ -53,7 +53,7 @@ def named_array(name: str) -> ParameterFile:
 
 
 def read_parameters(path: str | Path) -> ParameterFile:
-    """Read a parameter file; parameters that the file does not name have their defaults.
+    """Read a parameter file; return its parameters, with defaults for missing ones, and the ranges of uncertain ones.
 
     Raises:
         ValueError: if the file is no TOML, or has an unknown name or a refused value.

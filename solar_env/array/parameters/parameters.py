@@ -34,7 +34,7 @@ class ArrayParameters:
     """Parameters of the array in SI units. Bad values are refused on construction with a ValueError.
 
     A SimulationWarning tells of a contact law that does not reproduce the restitution, and of a value that no
-    spacecraft has, which was probably given in a wrong unit.
+    spacecraft has, which was probably given in a wrong unit. "The paper" is by Li, Wang and Huang (2019).
 
     Springs, latches, contacts, friction and initial rates may differ by joint, and cable stiffnesses by loop, both
     counted from the root. Each of these takes one number, or a sequence whose last entry also holds for all further
@@ -87,10 +87,11 @@ class ArrayParameters:
             slack).
         cable_wheel_radius: radius of the outer joint's wheel [m] (chosen: without cable_bearing_forces, it only sets
             the torque at which a strand goes slack).
-        cable_bearing_forces: whether the strands also pull on the bearings (the paper's Eq 3, with a potential). The
-            paper's solution steps use Eq 4 alone.
-        latch_gap: free play of latch and stow stop to either side [rad], 0 allowed (chosen, like the four values below:
-            together they give contact forces of some hundred newtons after latching, as in the paper's Fig. 10).
+        cable_bearing_forces: whether the strands also pull on the bearings: the paper's Eq 3, corrected so that the
+            forces conserve energy. The paper's solution steps use the cable's torques alone, Eq 4.
+        latch_gap: free play of the latch, and of the stop at the folded position (stow stop), to either side [rad], 0
+            allowed (chosen, like the four values below: together they give contact forces of some hundred newtons
+            after latching, as in the paper's Fig. 10).
         latch_stiffness: stiffness of latch and stow stop [N m/rad^exponent].
         latch_exponent: exponent of the elastic torque of latch and stow stop.
         latch_ramp_depth: depth over which the damping of latch and stow stop sets in [rad].
@@ -108,8 +109,8 @@ class ArrayParameters:
             (chosen: 1 kN bends a small aluminium bracket by 0.1 mm).
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             if the contact stiffness is computed; by default a steel journal in a brass bearing.
-        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: a hundredth
-            of the speed of slower impacts).
+        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: 2 to 3 % of
+            the median impact speed in deployments of the default array).
         friction_coefficient: Coulomb's coefficient of sliding friction.
         friction_speed_zero, friction_speed_full: sliding speeds between which friction rises from zero to Coulomb's
             value [m/s], the paper's Eq 42 (chosen: below the speeds of impacts, which meet the full friction).
@@ -227,10 +228,10 @@ class ArrayParameters:
     def preset(cls, name: str) -> Self:
         """Return a named parameter set, "default" or "paper"; an unknown name raises a ValueError.
 
-        "paper" reads the paper as literally as its results allow. It has hinge_y = -0.5, so that the folded panels
-        extend beyond the main body, and cable_torque_ratio = 1. Both together reproduce the paper's latch time, though
-        that ratio destroys half of the springs' energy. The panels have no damping. The wear coefficient makes the
-        deepest wear bin as deep as in the paper's figures.
+        "paper" follows Li, Wang and Huang (2019) as printed, except where its own results contradict it. It has
+        hinge_y = -0.5, so that the folded panels extend beyond the main body, and cable_torque_ratio = 1. Both
+        together reproduce the paper's latch time, though that ratio destroys half of the springs' energy. The panels
+        have no damping. The wear coefficient makes the deepest wear bin as deep as in the paper's figures.
         """
         check_name("preset", name, PRESETS)
         return cls(**PRESETS[name])
@@ -286,12 +287,12 @@ class ArrayParameters:
 
     @property
     def unsupported_gravity(self) -> tuple[float, float]:
-        """Components (x, y) of the gravity that hangers do not carry [m/s2]."""
+        """Components (x, y) of the gravity that off-loading hangers do not carry [m/s2]."""
         left = self.gravity * (1.0 - self.offloading_share)
         return left * math.cos(self.gravity_angle), left * math.sin(self.gravity_angle)
 
     def friction_torque(self, joint: int) -> float:
-        """Return the dry friction torque [N m] at hinge `joint`, counted from 0, its panel's hanger included."""
+        """Return the dry friction torque [N m] at hinge `joint` (from 0): the hinge's and its off-loading hanger's."""
         panel = self.panel(joint)
         of_hanger = self.offloading_friction * self.offloading_share * panel.mass * self.gravity
         return float(self.by_joint("hinge_friction_torque", joint) + of_hanger * panel.centroid)
@@ -317,7 +318,7 @@ class ArrayParameters:
         return tables if alone else entry_of(tables, joint, self.panel_count)
 
     def stop(self, joint: int) -> Stop:
-        """Return the torque law (`Stop`) that latch and stow stop of `joint`, counted from 0, have in common."""
+        """Return the torque law (`Stop`) of both the latch and the folded position's stop at `joint`, from 0."""
         names = ("gap", "stiffness", "exponent", "ramp_depth", "damping")
         return Stop(*(self.by_joint(f"latch_{name}", joint) for name in names))
 

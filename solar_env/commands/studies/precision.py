@@ -13,9 +13,9 @@ SECTIONS = {
 
 
 def run(args: Args) -> int:
-    """Measure speed against accuracy of all methods, of the panels, and beside the peers; runs are timed one by one.
+    """Measure speed and accuracy of integrators and panel models, and of Exudyn for comparison, one run at a time.
 
-    The parts compare integrators (methods), numbers of modes or elements of a panel, and other programs (peers).
+    The parts are "work-precision" (integrators), "convergence" (panels) and "side-by-side" (with the program Exudyn).
     """
     from solar_env.studies.precision import charts
 

@@ -15,9 +15,9 @@ _COLUMNS = 100
 
 
 def run(args: Args) -> int:
-    """Map failures of methods, and check that the library reports them; --only parameters: ranges of all parameters.
+    """Map at which settings integrators fail; "--only parameters" instead varies each array parameter over 8 decades.
 
-    A map shows at which settings an integrator (method) fails. Return 1 if one fails without error or warning, else 0.
+    Both check that the library reports failures: return 1 if a run fails without an error or a warning, otherwise 0.
     """
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
@@ -68,5 +68,5 @@ def _report(name: str, path: Path) -> int:
 
 
 def _counts(table: Any) -> str:
-    """Count the runs of a table by their class, in words."""
+    """Return a text of how many runs have each outcome, the table's column "class", such as "12 fine, 3 stiff"."""
     return ", ".join(f"{len(table.where(**{'class': kind}).rows)} {kind}" for kind in table.values("class"))

@@ -47,7 +47,7 @@ class RecordTrajectory(gymnasium.Wrapper):
         self._moments = [(self._digest(), [0, 0])]
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Take a step and record its motion; earlier records of motion after the present state are discarded."""
+        """Take a step and record its motion; if an earlier state was restored, discard the record after that state."""
         if not self._moments:
             return super().step(action)
         env: Any = self.unwrapped

@@ -42,7 +42,7 @@ class Window:
 
     def __init__(self, rate: float) -> None:
         if importlib.util.find_spec("pygame") is None:
-            raise gymnasium.error.DependencyNotInstalled("the window needs pygame: pip install 'solar-env[play]'")
+            raise gymnasium.error.DependencyNotInstalled("the window needs pygame: pip install -e '.[play]'")
         open_display()  # raises its error before kernels are compiled
         self._rate = rate
         self._surface: Any = None

@@ -1,4 +1,4 @@
-"""The table of features: measured values on scales where values that decide a soft latching are of order one."""
+"""The table of features: measured values on asinh scales, which resolve the small values shortly before a latching."""
 
 from collections.abc import Callable
 from typing import NamedTuple

@@ -148,6 +148,8 @@ def _observable(name: str) -> tuple[Observable | Feature, int]:
     """Return the observable or feature that a name such as "theta_2_ago" stands for, and the age [control periods]."""
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
     stem, age = (past[1], int(past[2])) if past else (name, 0)
+    if (of_joint := re.fullmatch(r"(\w+)_\d+", str(stem))) and of_joint[1] in _BY_NAME:
+        raise ValueError(f"the observable {name!r} has no number: {of_joint[1]!r} observes all joints or motors")
     check_name("the observable", stem, _BY_NAME)
     if age > GREATEST_AGE:
         raise ValueError(f"{name!r} is {age} control periods old; observe at most {GREATEST_AGE} periods back")

@@ -53,7 +53,10 @@ def error_count(task: TaskNumbers) -> int:
 
 
 def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArray[np.float32]) -> Periods:
-    """Allocate `Periods` for `lanes` environments, `errors` drive samples per step and the observations `exact`."""
+    """Allocate `Periods` for `lanes` environments with `motors` and reward `terms` each; `exact` becomes a field.
+
+    `errors` is the greatest number of drive samples in a step, each of which takes an error of the measured rates.
+    """
     return Periods(
         np.zeros((lanes, motors)),
         np.zeros((lanes, errors, motors)),
@@ -102,7 +105,7 @@ def begin_sample(model, state, task, periods, lane):
 def end_period(model, state, task, channels, prices, periods, lane):
     """Write an environment's reward, exact observations and `terminated` to `periods` after a control period.
 
-    An episode is over a settling window after the last latching, or at `task.last_chance` if a joint is still open.
+    An episode ends `task.settling_window` after the last latching, or at `task.last_chance` if a joint is still open.
     """
     periods.rewards[lane] = charge(model, state, task, prices, periods.accounts[lane], periods.terms[lane])
     observe(model, state, task, channels, periods.drives[lane], periods.exact[lane])
@@ -117,7 +120,9 @@ def hold_lanes(
     """Advance lanes (environments) from a queue, which threads share, by a control period with constant actions.
 
     Args:
-        models, states, settings, recorder, arrays, queue, counter, steps_left, statuses: as in `advance_lanes`.
+        models, states, settings, recorder, arrays, queue, counter, steps_left, statuses: as for `advance_lanes` in
+            `integrators/run.py`: handles of models and states, integrator settings, recorder, handle of work arrays,
+            (k,) lanes to advance, (1,) number of lanes taken, (lanes,) steps left, and (lanes,) status codes.
         address: address of `advance_lanes` compiled for these arguments.
         tasks: `TaskNumbers` of all lanes.
         channels: (measured,) from `observations.channels`.

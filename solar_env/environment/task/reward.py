@@ -16,7 +16,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
-from solar_env.support.values import changed, check_name, is_number, plain
+from solar_env.support.values import changed, check_name, is_number, plain, unknown_name
 
 # Codes of the charged quantities, which `reading` computes from the state.
 PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_SLIDING_WORK = range(5)
@@ -91,9 +91,9 @@ class RewardTerm(NamedTuple):
 _PRELATCH, _POSTLOCK = "up to the first latching", "from the first latching"
 _WHOLE, _DEADLINE = "whole episode", "at the deadline"
 _MISSED = "1 and the mean distance to the lock, in lock angles, if a joint is open"
-_WORK = "sliding work, over all joints"
+_WORK = "sliding work, summed over joints"
 REWARD_TERMS = (
-    RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, 500.0),
+    RewardTerm("peak_impact", "peak forces, summed over joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, 500.0),
     # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
     RewardTerm("wear", _WORK, _WHOLE, "J", SLIDING_WORK, LATEST, 0.1),
     # Graded by distance: if no joint latches, a search still sees in which direction the lock lies.
@@ -101,7 +101,7 @@ REWARD_TERMS = (
     RewardTerm("attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, 0.01),
     RewardTerm("postlock_wear", _WORK, _POSTLOCK, "J", POSTLOCK_SLIDING_WORK, LATEST, 0.05),
     RewardTerm("motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, 0.5),
-    RewardTerm("prelatch_peak", "peak force, over all joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, 500.0),
+    RewardTerm("prelatch_peak", "peak forces, summed over joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, 500.0),
     RewardTerm("time", "time", "up to the last latching", "s", TIME, LATEST, 20.0),
     RewardTerm("lateness", "time", "later than a period before the deadline, up to then", "s", LATENESS, LATEST, 1.0),
     # All deployments earn the same amount, but step by step: an agent paid only at the end learns nothing before.
@@ -114,6 +114,13 @@ _MISSED_TOO = ("missed_deadline", "time", "lateness", "opening")
 _CODES, _NUMBERS = ("code", "growth", "sign", "form"), ("scale", "weight", "bound")
 _PRICE = [*((name, "i8") for name in _CODES), *((name, "f8") for name in _NUMBERS)]
 price_type = np.dtype((np.record, np.dtype(_PRICE, align=True)))
+
+
+class Quantities(dict[str, float]):
+    """Quantities by name for a user's reward function; a wrong name raises a KeyError that suggests the right one."""
+
+    def __missing__(self, name: object) -> float:
+        raise KeyError(unknown_name("the quantity", name, self))
 
 
 Told = Mapping[str, float]
@@ -169,7 +176,8 @@ class Reward:
         if cost <= others:
             raise ValueError(
                 f"missed_deadline costs {cost!r}, which must exceed the {others!r} that all other terms can cost "
-                "together, or not deploying would pay: raise its weight, or lower weights or bounds of the others"
+                "together, or not deploying would pay: raise its weight, lower the others' weights or bounds, or give "
+                "a function"
             )
 
     def _rows(self, terms: Iterable[RewardTerm]) -> NDArray[np.void]:
@@ -179,7 +187,7 @@ class Reward:
     def told(self, time: float, account: NDArray[np.float64]) -> Told:
         """Return time [s] and quantities by term, for a user's reward function; `account` is described in `charge`."""
         figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
-        return {"time_s": time, **figures}
+        return Quantities(figures, time_s=time)
 
     def own(self, before: Told, after: Told) -> float:
         """Return the user's reward for the quantities `before` and `after` a step; ValueError if it is not finite."""
@@ -198,8 +206,8 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 def v1_return(figures: Mapping[str, Any]) -> float:
     """Compute the return of a deployment by the rewards of task version 1, from its results `info["deployment"]`.
 
-    Tables of controllers have this return as `v1_return`. A missed deadline is charged as 1, without the mean distance
-    to the lock.
+    Tables of controllers have this return as `v1_return`. A missed deadline costs 25; the rewards of version 1 also
+    charge 25 times the joints' mean distance to the lock, in lock angles, up to 25.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])

@@ -106,7 +106,7 @@ class Sensors:
         return Memory(exact, observed, pipeline, past, deepcopy(self._generators[lane]))
 
     def recall(self, lane: int, memory: Memory) -> None:
-        """Restore the sensors' state in a lane (environment) from a result of `memory`, which stays unchanged."""
+        """Copy `memory`, a state that the method `Sensors.memory` returned, to the sensors of a lane (environment)."""
         for mine, theirs in zip(self._arrays, memory[:4], strict=True):
             mine[lane] = theirs
         if self._generators[lane] is None:

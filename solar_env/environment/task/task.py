@@ -32,8 +32,8 @@ class Task:
             latching then lasts until the episode ends.
         driven_joint: index of the joint with the motor, 0 for the root hinge; or several indices of joints, each with a
             motor, a drive and an entry of the action.
-        action: "torque", a motor torque divided by the torque limit; or "log_rate", the logarithm of the rate loop's
-            setpoint, which follows the action with a lag.
+        action: "torque", a motor torque divided by the torque limit; or "log_rate", which moves the rate loop's
+            setpoint with a lag: on a logarithmic scale if negative, on a linear scale if positive.
     """
 
     torque_limit: float = number(MISSING, _POSITIVE, Usual(1e-4, 200.0, "N m", "N mm"))
@@ -69,7 +69,10 @@ class Task:
         return ACTIONS[self.action] != TORQUE or self.drive_settles
 
     def samples(self, hardware: Hardware) -> int:
-        """Return the least number of drive samples in a control period; ValueError if not whole and positive."""
+        """Return the number of drive samples in a control period by `hardware.rate_loop_frequency`; 1 without a loop.
+
+        Drives of light panels take a multiple, see `drive.refinement`. A number that is not whole raises a ValueError.
+        """
         if not self.has_loop:
             return 1
         samples = self.control_period * hardware.rate_loop_frequency

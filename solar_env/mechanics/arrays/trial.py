@@ -1,4 +1,4 @@
-"""Record types that run loop and integration methods share: trial step, and joint motion at both ends of a step."""
+"""Record types shared by run loop and integration methods: trial step, and joint motion at both ends of a step."""
 
 import numpy as np
 

@@ -54,7 +54,7 @@ class BodyKind(ABC, Generic[Described]):
         """Return a body's generalized gravity force (n,), which must be constant, for a gravity vector [m/s2]."""
 
     def error_weight(self, body: Described) -> Array:
-        """Return error-norm weights (n,), which convert coordinates to translations of equal inertia; default: 1."""
+        """Return error-norm factors (n,) that scale coordinates to translations: by default 1, as for positions."""
         return np.ones(self.coordinates(body))
 
     def stable_step(self, body: Described) -> float:

@@ -77,11 +77,11 @@ class AbsoluteCoordinates(Formulation):
         return KINDS[row["kind"]].centreline(row, of_body, points_per_element)
 
     def modal_range(self, model: Model, state: State) -> tuple[float, float]:
-        """Return (0, 0): end slope and spin rate / bending frequency, which say if modal panels hold, do not apply."""
+        """Return (0, 0), end slope [rad] and spin / lowest frequency of modal panels: there are no such panels here."""
         return 0.0, 0.0
 
     def constraint_force_defect(self, model: Model, state: State) -> tuple[float, float]:
-        """Return the greatest error of the forces in `state.multipliers`, and the greatest force of any kind [N]."""
+        """Return the greatest error of `state.multipliers` against exact constraint forces, and greatest force [N]."""
         work, multipliers = _evaluate(model, state)
         # The multiplier of a length constraint times the body's length is a force.
         scale = np.ones_like(multipliers)

@@ -1,11 +1,12 @@
 """Tangents of closed cable loops, for `tangent.fill_tangents`.
 
-Let a and b be the gradients of a loop's inner and outer wheel angles, c and d the gradients of the chord's angle and
-length, r the wheel ratio and t the torque ratio. The torque T and the pull N are functions of the chord's length and
-of the mismatch s = r angle_a - angle_b. With subscripts for derivatives, the generalized force T (b - t a) - N d gives
+A loop runs over an inner and an outer wheel; its chord is the line between them. Let a, b, c and d be the gradients of
+the inner wheel's angle, the outer wheel's angle, the chord's angle and the chord's length L. The torque T and the pull
+N are functions of L and of the mismatch s = r * (inner angle) - (outer angle), with wheel ratio r. T_s, T_L, N_s and
+N_L are their derivatives. With the torque ratio t, the generalized force Q = T (b - t a) - N d gives
 
-dQ/dq = (b - t a) (T_s (r a - b) + T_d d)^T - d (N_s (r a - b) + N_d d)^T - N length c c^T + terms with Hessians
-of the directions and of the chord's angle.
+dQ/dq = (b - t a) (T_s (r a - b) + T_L d)^T - d (N_s (r a - b) + N_L d)^T - N L c c^T + terms with Hessians
+of the bodies' directions and of the chord's angle.
 """
 
 import math
@@ -40,7 +41,7 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
     stretch, length = wheel_motion(cable, joints, markers, q, loads[a, ANGLE], loads[o, ANGLE])
     torque, pull, _, slope, cross, pull_slope = belt_loads(cable, stretch, length)
     if cable.chord_sense != 0:
-        add_chord_slopes(model, cable, q, torque, pull, tangent, by_q)
+        add_chord_slopes(model, cable, q, torque, tangent, by_q)
     for r in range(16):
         push = gradient[_OUTER, r] - cable.torque_ratio * gradient[_INNER, r]
         for c in range(16):
@@ -53,10 +54,11 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 
 
 @kernel
-def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
-    """Add the derivatives that arise because wheel angles are measured from the chord of the body between the joints.
+def add_chord_slopes(model, cable, q, torque, tangent, by_q):
+    """Write the gradients of a cable loop's wheel angles, chord angle and chord length to `tangent.cable_gradient`.
 
-    Gradients with respect to q go to `tangent.cable_gradient`, second derivatives times torques to `by_q`.
+    Wheel angles are measured from the chord, the line between the wheels. In `by_q`, the Hessian terms of the loop's
+    `torque` [N m] therefore move from the body between the joints to the chord.
     """
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]

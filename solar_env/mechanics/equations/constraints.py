@@ -1,7 +1,9 @@
 """Linear constraints A(t) q = b of a mechanism: rows, drives, compliance, drift and projection.
 
-Each row of A belongs to an ideal joint or a drive. Multipliers follow from the bodies' compliances P: the dual Schur
-complement A P A^T has one row and column per constraint. Without length constraints only its rows of drives vary.
+Each row of A belongs to an ideal joint or a drive. The multipliers solve a linear system whose matrix is the
+constraints' compliance A P A^T, where P gives the accelerations of the unconnected bodies per generalized force. P is
+the inverse mass matrix minus a rank-one matrix for each length constraint, a rigid body's fixed distance between two
+points. Without length constraints, the compliance changes with time only in the rows and columns of drives.
 """
 
 import math
@@ -109,10 +111,7 @@ def drive_motion(model, drive, time, q, v):
 
 @kernel
 def build_schur(model, q, work):
-    """Compute and factor the linear constraints' compliance in `work.schur`; return False if they are redundant.
-
-    Each body's length constraint subtracts a rank-one matrix from the compliance without length constraints.
-    """
+    """Compute and factor the linear constraints' compliance in `work.schur`; return False if they are redundant."""
     schur, free_schur, pull, row_bodies = work.schur, work.free_schur, work.pull, model.constraints.bodies
     m = schur.shape[0]
     driven = model.drives.size > 0
@@ -137,7 +136,7 @@ def build_schur(model, q, work):
 
 @kernel
 def add_columns(model, work, multipliers, x):
-    """Subtract `work.columns` times `multipliers` from `x` (n,), in entries of bodies without a length constraint."""
+    """Add -multipliers[r] * work.columns[r] for every row r to `x` (n,), on bodies without a length constraint."""
     bodies, columns = model.bodies, work.columns
     for r in range(columns.shape[0]):
         for side in range(2):

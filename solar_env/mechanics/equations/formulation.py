@@ -80,4 +80,4 @@ class Formulation(ABC):
 
     @abstractmethod
     def constraint_force_defect(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Return the greatest error of the constraint forces that the state holds, and the greatest force [N]."""
+        """Return the greatest error of constraint forces in `state` against exact ones, and the greatest force [N]."""

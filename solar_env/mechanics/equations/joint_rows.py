@@ -76,7 +76,10 @@ def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: 
 
 
 def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
-    """Write a cable chord's end markers to `record`: on the body between the joints, or on the wheels if pulled."""
+    """Enter a cable loop's chord in its `record`, as the indices of the two markers that it connects.
+
+    They lie on the body between the joints, or on the wheels if the loop pulls on the bearings (has a wheel radius).
+    """
     ends = ("inboard", "outboard") if record["wheel_radius"] > 0.0 else ("outboard", "inboard")
     record["first"], record["last"] = joints[record["joint_a"]][ends[0]], joints[record["joint_b"]][ends[1]]
 

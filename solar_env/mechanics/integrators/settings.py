@@ -89,9 +89,9 @@ class Rosenbrock(RungeKutta):
 class ModalRadau(RungeKutta):
     """Settings of three-stage Radau IIA for rigid bodies and modal panels; its unknowns are the joint loads (`modal`).
 
-    Errors of contact depths are relative to the depths. If every joint has clearance, velocity errors are relative to
-    the fastest hinge rate times the longest body's length, but at least to velocity_scale / 100 and at most to
-    velocity_scale. Mechanisms with drives or loads are refused.
+    A velocity's tolerance [m/s] is rtol * velocity_scale. If every joint has clearance, the fastest hinge rate times
+    the longest body's length replaces velocity_scale where it is less, but not below velocity_scale / 100. Errors of
+    contact depths are relative to the depths. Mechanisms with drives or loads are refused.
     """
 
     rtol: float = 4e-3
@@ -112,7 +112,7 @@ class GeneralizedAlpha:
 
     Attributes:
         step: longest step [s]; a call of `advance` is divided into equal steps.
-        rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives the paper's trapezoidal scheme, beta = 1/4,
+        rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives Newmark's trapezoidal scheme, beta = 1/4,
             gamma = 1/2.
         newton_tolerance: tolerance of a Newton correction, relative to the length scale.
         max_steps: most steps per call of `advance`; the default takes about a minute with rigid panels.

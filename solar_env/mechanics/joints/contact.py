@@ -39,7 +39,7 @@ class ContactMotion(NamedTuple):
 
 @kernel
 def sliding_share(joint, depth):
-    """Return sliding / relative speed: depth / (clearance + depth) in contact if `joint.sliding` is PLACES, else 1."""
+    """Return the slope of the sliding speed (see `joint.sliding`) by the centres' relative speed, at a `depth` [m]."""
     if joint.sliding == PLACES:
         return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
     return 1.0 + 0.0 * depth
@@ -90,10 +90,11 @@ def normal_force(joint, depth, rate, impact_speed):
 
 @kernel
 def depth_under(joint, load, rate, impact_speed, give):
-    """Return the depth [m] at which a contact carries a `load` [N], and the force's slopes there by depth and rate.
+    """Return the depth [m] at which a contact carries a `load` [N], and the force's slopes by depth and rate there.
 
-    All three are zero where the surfaces part fast or carry no load, and where the contact's stiffness does not exceed
-    its bodies', 1 / `give` [N/m]. `rate` is the rate of the depth [m/s]. `load`, `rate` and `give` are vectors.
+    `rate` is the depth's rate [m/s], `give` the yielding of both bodies per unit force [m/N]; these and `load` are
+    vectors. All three results are zero, for the caller to use the present depth instead, where the surfaces part fast
+    or carry no load, and where the contact is no stiffer than its bodies: slope by depth at most 1 / `give`.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     bracket = 1.0 + damping * rate

@@ -73,7 +73,7 @@ def joint_motion(joint, markers, q, v):
 def joint_torques(model, joint_states, q, v, loads, force, power):
     """Write every joint's angle, rate, spins and torques to `loads`, and the torques' powers to `power`.
 
-    Of their generalized forces, add to `force` only the corrections for cable loops on a chord (`move_to_chord`).
+    Here `force` gets only corrections for cable loops (`move_to_chord`); `joint_forces` adds the torques afterwards.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):

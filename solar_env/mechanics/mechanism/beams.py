@@ -96,7 +96,7 @@ def spin_up_beam(
 def flexible_pendulum(
     beam: Beam = PENDULUM_BEAM, elements: int = 12, angle: float = 0.0, gravity: float = STANDARD_GRAVITY
 ) -> Mechanism:
-    """Return a beam pinned at the origin and released at rest (Berzeri and Shabana 2000); gravity towards -y."""
+    """Return a pinned beam at rest at `angle` [rad] to the x axis (Berzeri and Shabana 2000); gravity is towards -y."""
     return Mechanism((beam.body(elements, angle),), _pivot(), gravity=(0.0, -gravity))
 
 

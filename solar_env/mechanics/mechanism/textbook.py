@@ -46,10 +46,10 @@ class Link:
 def pendulum(
     length: float = 1.0, mass: float = 1.0, angle: float = 0.0, gravity: float = STANDARD_GRAVITY
 ) -> Mechanism:
-    """Return a simple pendulum: a point mass on a massless link, pinned at the origin.
+    """Return a pendulum: a point mass on a massless link, pinned at the origin, at rest at `angle` [rad] to the x axis.
 
-    The body has equal point masses at both ends; the mass at the pin does not move. The body's inertia is then regular.
-    The multiplier of its length constraint is exactly the link's tension divided by the length [N/m].
+    Equal point masses at both ends make the body's inertia regular; the mass at the pin does not move. The multiplier
+    of the constraint that keeps the ends' distance is exactly the link's tension divided by the length [N/m].
     """
     body = Link(length, 2.0 * mass, 0.5 * mass * length**2).body("bob", 0j, angle, 0j, 0.0)
     joint = Joint("pivot", GROUND, "bob", (0.0, 0.0), (0.0, 0.0))

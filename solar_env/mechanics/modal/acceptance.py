@@ -42,9 +42,10 @@ def at_start(course):
 def vibration_defect(panels, panel, free, held, d, h, kind, group):
     """Return the error [m/s] of a panel's end due to those vibrations of a mode `group` that a step cannot resolve.
 
-    `kind` selects the error: 0 for the end's velocity, 1 for its deflection times the modes' frequencies. Static
-    deflection by the loads at the start of the step `h` [s], and foreshortening, do not vibrate: they are subtracted by
-    means of the tables `held` and `free` of panel design `d`.
+    `kind` selects the error: 0 for the end's velocity, 1 for its deflection times the modes' frequencies. Deflections
+    that loads and foreshortening hold at the start of the step `h` [s] do not vibrate. Their errors are subtracted:
+    `held` has minus the errors per unit load, `free` the errors per start value and start rate of a mode. `d` is the
+    panel's design.
     """
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
@@ -70,8 +71,9 @@ def deviation(state, work, k):
 def step_error(model, state, work, settings, tables, level, h):
     """Return the error of a solved step `h` [s] in units of the tolerances: the greatest error of any load or panel.
 
-    A load's error is its `deviation`; after a far longer step, a reaction's error is at most its change from the first
-    to the last stage. A panel's error is the difference between the computed and the exact vibration of its ends.
+    A load's error is its `deviation`. If the previous step was over 100 times as long, a reaction's error is at most
+    its change from the first to the last stage. A panel's error is the difference between the computed and the exact
+    vibration of its ends. `level` is the index of the step size in the panels' response `tables`.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -121,8 +123,9 @@ def put_number(array, k, number):
 def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
     """Advance mode `k` of a panel over the step, or the four modes from `k` on: amplitudes `q` and rates `v`.
 
-    Pass `number_at`, `put_number` as `take`, `put` for one mode, `load4`, `store4` for four. `load` holds the loads of
-    the panel's ends at the stages, `ends` the modes' responses. Return the square of (new rate times frequency).
+    Pass `number_at`, `put_number` as `take`, `put` for one mode, `load4`, `store4` for four. `ends` (END_ROWS, modes)
+    are responses at the step's end to start value, start rate and stage loads. A mode's load is the sum of the panel's
+    end loads `load` (2, stages) times its end values `shapes` (2, modes). Return (new rate * `frequency`)^2.
     """
     value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
     moved = take(ends[0], k) * value + take(ends[1], k) * rate
@@ -139,7 +142,10 @@ def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
 
 @kernel
 def move_panel(panels, panel, ends, d, q, v):
-    """Advance amplitudes `q`, rates `v` of a panel of design `d` over the step; return its damping power [W] then."""
+    """Advance a panel's modal amplitudes `q` and rates `v` over the step; return its damping power [W] at the end.
+
+    `panel` holds the loads, `ends` the modes' responses to them (a part of `Tables.ends`); `d` is the panel's design.
+    """
     total = 0.0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
@@ -181,7 +187,7 @@ def note_extremes(model, state, work, v):
 
 @kernel
 def commit_step(model, state, work, tables, level, h):
-    """Write coordinates, velocities and the panels' damping power at the end of the solved step to `work`."""
+    """Write end-of-step motion and damping power to `work`; `level`: the step size's index in the response `tables`."""
     for b in range(model.bodies.size):
         body, frame, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):

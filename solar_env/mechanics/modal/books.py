@@ -183,7 +183,7 @@ def cubic(share, x0, r0, x1, r1):
 
 @kernel(inlined=False)
 def fill_load_table(model, state, work, loads, table):
-    """Write to `table` the joints' motion in `work`, forces in `loads` (in `state.course`'s order), and torques."""
+    """Fill `table`: joint motion from `work`, torques due to it, and forces from `loads`, ordered as `state.course`."""
     for j in range(model.joints.size):
         joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]

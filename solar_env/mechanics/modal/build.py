@@ -59,7 +59,11 @@ def design(panel: ModalPanel) -> _Design:
 
 
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
-    """Pack K (`project`) and S (`ends`) of `quadratic_forms` by bending group: (2, LOW, LOW, FORMS), no zero blocks."""
+    """Rearrange the quadratic forms K (`project`) and S (`ends`) of `quadratic_forms` as (2, LOW, LOW, FORMS).
+
+    Axes: group of the first coordinate (even or odd modes), its index, the second coordinate's index, form. Odd forms
+    have both from one group, even forms one from each; all else is zero. `coupled`: number of bending modes.
+    """
     forms = np.zeros((2, LOW, LOW, FORMS))
     # The lowest bending modes are even and odd by turns; then come the end values of the other modes.
     rest = range(coupled, coupled + VALUES), range(coupled + VALUES, coupled + 2 * VALUES)

@@ -40,7 +40,10 @@ from solar_env.mechanics.numerics.vectors import (
 
 @kernel
 def free_ends(panels, panel, tables, d, level, q, v):
-    """Compute the free motion from `q`, `v` at the stages: panel ends `panel.free`, coupled modes `panel.low_free`."""
+    """Compute a panel's motion at the stages without loads, from amplitudes `q` and rates `v` at the step's start.
+
+    `panel.free` is for the ends, `panel.low_free` the lowest modes. `level`: step-size index in `tables`; `d`: design.
+    """
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         # Slices avoid tests for negative indices.
@@ -62,7 +65,7 @@ def free_ends(panels, panel, tables, d, level, q, v):
 
 @kernel
 def forced_ends(panel, response, groups):
-    """Compute the first `groups` mode groups' end motion in `panel.ends`: free motion plus `response` to the loads."""
+    """Write the first `groups` mode groups' end motion to `panel.ends`: `panel.free` plus `response` times loads."""
     for group in range(groups):
         for i in range(values_of(group)):
             total = load8(panel.free[group, i], 0)
@@ -74,7 +77,7 @@ def forced_ends(panel, response, groups):
 
 @kernel
 def add_modal_forces(panels, panel, forced, d):
-    """Add to `panel.ends` the end motion of a panel of design `d` due to foreshortening's forces on its modes."""
+    """Add the motion due to foreshortening's modal forces to `panel.ends`; `forced`: motion per force; `d`: design."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k, by_load, gain = panels.first[group] + r, forced[group, r], splat8(0.0)
@@ -150,7 +153,7 @@ def sum_ends(panels, panel, d, q, v):
 
 @kernel
 def take_rest(panels, panel, d, group, r, moved):
-    """Subtract mode `r` of a group, which moves by `moved`, from the group's end motion in `panel.low` (design `d`)."""
+    """Subtract mode `r`, with amplitudes and rates `moved`, from its group's end motion in `panel.low`; `d`: design."""
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]
         store8(rest, 0, load8(rest, 0) - panels.shapes[d, i, panels.first[group] + r] * moved)
@@ -176,8 +179,9 @@ def shorten_pose(panels, panel, d, q, v):
 def move_low(panels, panel, forced, d, group):
     """Compute in `panel.low` the coordinates of a mode `group` on which foreshortening acts, at the stages.
 
-    They are the coupled modes' amplitudes and, in bending, the end motion by all other modes. They follow from the free
-    motion, the loads (responses `forced`) and the modal forces in `panel.coupling`. `d` is the panel's design.
+    They are the amplitudes of the lowest modes and, in bending, the end motion due to all other modes. They follow from
+    the free motion, the loads and the modal forces in `panel.coupling`. `forced` (GROUPS, LOW, BY_LOAD) has the lowest
+    modes' motion per unit modal force at each stage; `d` is the panel's design.
     """
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
@@ -250,7 +254,7 @@ def push_bending(panels, panel, d):
 
 @kernel
 def bend(panels, panel, forced, d):
-    """Compute foreshortening in `panel.shortening`; `panel.ends` must hold the motion under the loads (design `d`)."""
+    """Compute foreshortening in `panel.shortening` from the end motion `panel.ends`; `forced`, `d`: see `move_low`."""
     for group in range(AXIAL_EVEN):
         move_low(panels, panel, forced, d, group)
     foreshorten(panels.forms[d], panel)
@@ -260,7 +264,7 @@ def bend(panels, panel, forced, d):
 def couple(panels, panel, forced, d):
     """Compute foreshortening's forces in `panel.coupling`: on axial, then on bending coordinates (panel design `d`).
 
-    Call `bend` before. Forces on the modes that are not coupled act as loads on the panel's ends in `panel.load`.
+    Call `bend` before, with the same arguments. Forces on end values of higher modes are added to `panel.load`, too.
     """
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):

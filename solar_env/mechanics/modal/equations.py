@@ -123,7 +123,7 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
 
 @kernel
 def contact_laws(model, state, work, n):
-    """Write forces and slopes of contacts among `n` unknowns to `work.loads`; return the branch changes by stage."""
+    """Write the contacts' forces and slopes to `work.loads`; return how many changed branch by stage; `n`: unknowns."""
     changed = splat4(0.0)
     for r in range(n):
         if work.unknowns[r].kind == NORMAL_ROW:

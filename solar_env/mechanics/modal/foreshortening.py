@@ -1,9 +1,10 @@
 """Shortening of a bent panel along its axis, to second order in the bending coordinates.
 
 A beam with deflection w that bends without stretching moves its points along the axis by u, with u' = -w'^2 / 2 and
-zero mean of u. The projections of u on the lowest axial modes are s_k = b^T K_k b / 2. The remainder of u counts at
-each end e alone: b^T S_e b / 2. The transpose gives the tension's action on bending (J. C. Simo and L. Vu-Quoc, J.
-Sound Vib. 119 (1987) 487, doi:10.1016/0022-460X(87)90410-X, on why it must not be left out).
+zero mean of u. The projections of u on the lowest axial modes are s_k = b^T K_k b / 2, with bending coordinates b. The
+remainder of u is needed only at the two ends e, where it is b^T S_e b / 2. By virtual work, the gradients K_k b and
+S_e b turn tension into forces on bending (J. C. Simo and L. Vu-Quoc, J. Sound Vib. 119 (1987) 487,
+doi:10.1016/0022-460X(87)90410-X, on why these forces must not be left out).
 
 The coordinates b are the amplitudes of the lowest bending modes, and the parts of the ends' deflections and slopes that
 all other modes contribute, each with a static shape. Without these shapes, the ends' acceleration by foreshortening
@@ -33,10 +34,8 @@ _MIRRORED = Polynomial([1.0, -1.0])
 
 
 def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return deflections and slopes (2, modes, points) of the lowest mass-normalised bending modes at points `x` [m].
-
-    Hyperbolic functions are split into growing and decaying exponentials, whose factors hold all digits.
-    """
+    """Return deflections and slopes (2, modes, points) of the lowest mass-normalised bending modes at `x` [m]."""
+    # Hyperbolic functions are split into growing and decaying exponentials, whose factors hold all digits.
     found = np.zeros((2, modes, x.size))
     for k in range(modes):
         number = wave_number(k + 1)
@@ -51,8 +50,9 @@ def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64
 def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return slopes (4, points) at points `x` [m] of the static shapes that replace modes above the lowest `bending`.
 
-    The shapes have a unit deflection [1/m] or a unit slope at the first end, first even about the middle, then odd.
-    They are static shapes under loads at the ends, minus the contribution of the lowest modes.
+    Two shapes are even about the middle, then two are odd. At the first end, the first of each two has unit deflection
+    (slopes in 1/m) and no slope, the second has unit slope and no deflection. They are static shapes under loads at the
+    ends, minus the contribution of the lowest modes.
     """
     s, found = x / length, []
     shapes = bending_shapes(1.0, 1.0, bending, s)[1]

@@ -116,8 +116,8 @@ def present_motion(model: ModalModel, state: ModalState) -> Workspace:
 def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int) -> NDArray[np.complex128]:
     """Return the points of a panel's axis in the panel's frame, as complex numbers x + i y.
 
-    The panel's bending modes have their true shapes. The pseudo-modes for higher modes, and stretching, are exact at
-    the ends and interpolated by polynomials between them.
+    The bending modes that are kept have their true shapes. The pseudo-modes, which represent the higher modes at the
+    ends, and stretching are exact at the ends and interpolated by polynomials between them.
     """
     panels, d, s = model.panels, row["design"], np.linspace(0.0, 1.0, points)
     parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]

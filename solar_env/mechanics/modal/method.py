@@ -117,8 +117,8 @@ def start_at_state(state, work):
 def choose_modal(model, state, settings, work, remaining):
     """Return the step to try [s]: the greatest tabled size that accuracy, impacts and settings allow.
 
-    Where it reaches the end of the call, or almost, return at least the `remaining` time, to which the caller cuts the
-    step. Store the index of the tabled size in `work.trial`.
+    If this step ended the call, or left only a sliver of the `remaining` time [s], return at least that time; the run
+    loop then cuts the step to it. Store the index of the tabled size in `work.trial`, or -1 for any other size.
     """
     wanted = step_limit(state, settings)
     level = level_below(wanted)
@@ -186,7 +186,7 @@ def complete_modal(model, state, settings, work, h):
 
 @kernel
 def commit_modal(model, state, settings, work, h, share):
-    """Copy coordinates, velocities, integrals and loads at the end of the step from the workspace to the state."""
+    """Copy the end of the solved step `h` [s] from `work` to `state`; return True. The fraction `share` is always 1."""
     copy_into(state.q, work.q)
     copy_into(state.v, work.v)
     copy_into(state.integrals, work.integrals)
@@ -199,7 +199,7 @@ def commit_modal(model, state, settings, work, h, share):
 
 @kernel
 def evaluate_modal(model, state, work, changed):
-    """Write every joint's force at the accepted state, a normal force or an ideal reaction, to `work.motion`."""
+    """Write the joints' normal forces, or ideal joints' reactions, to `work.motion`; ignore `changed`; return True."""
     for j in range(model.joints.size):
         first, second = state.course[force_of(model, j), LAST], state.course[force_of(model, j) + 1, LAST]
         ideal = model.joints[j].kind == IDEAL

@@ -1,9 +1,8 @@
 """Motion from loads: loads of joints and cable loops on bodies, bodies' frames at the stages, motion of the joints.
 
-Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. The angles of a
-loop's wheels are measured relative to the chord of the body between its joints (`joints/cable_loop.py`). A loop's load
-is the torque on the outer wheel. If the loop conserves energy, its power is minus this torque times the rate of the
-mismatch of the wheels' angles.
+Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. A loop's wheel
+angles are measured from the chord of the body between its joints (`joints/cable_loop.py`). Its load is the torque on
+the outer wheel; in a loop that conserves energy, minus this torque does work on the mismatch of the wheels' angles.
 """
 
 import math
@@ -67,7 +66,7 @@ def add(target, vector):
 
 @kernel
 def add_load(model, work, number, fx, fy, torque):
-    """Add a force [N] and torque [N m] at attachment `number`, at all stages, to body's and panel's loads in `work`."""
+    """Add a force [N] and torque [N m] at attachment `number`, at all stages, to `work.bodies` and `work.panels`."""
     attachment = model.attachments[number]
     body, arm = work.bodies[attachment.body], work.attachments[number].arm
     add(body.load[0], fx)
@@ -88,10 +87,11 @@ def add_load(model, work, number, fx, fy, torque):
 
 @kernel
 def outboard_load(joint, nx, ny, lever, first, second, torque):
-    """Return a joint's force (x, y) and torque on its outboard body, and its torque on the inboard body.
+    """Return a joint's force (x, y) [N] and torque [N m] on its outboard body, and its torque on the inboard body.
 
-    `first` and `second` are the components of an ideal joint's reaction, or the normal and tangential force of a
-    contact along and across (nx, ny). `torque` acts on the joint angle. Arguments are numbers, or vectors.
+    `torque` acts on the joint angle. In ideal joints, `first` and `second` are the reaction's x and y components. With
+    clearance, they act on the journal along -(nx, ny) and (-ny, nx); (nx, ny) is the unit vector from the bearing's to
+    the journal's centre, and `lever` [m] is the contact's distance from the bearing's centre. All may be vectors.
     """
     torque = joint.sign * torque
     if joint.kind == IDEAL:
@@ -124,8 +124,9 @@ def cable_attachment(model, cable, face):
 def face_load(model, cable, across_x, across_y, length, face, torque, pull, ratio):
     """Return the force (x, y) [N] and torque [N m] of a cable loop on its attachment `face` (see `cable_attachment`).
 
-    `torque` acts on the outer wheel; `ratio` is minus the inner torque divided by it. `across_x`, `across_y` and
-    `length` describe the chord (columns of the loop's motion), along which `pull` [N] acts. All may be vectors.
+    `torque` acts on the outer joint's angle, minus `ratio` times `torque` on the inner joint's angle. `pull` [N] draws
+    the ends of the chord together. The chord has a `length` [m]; (`across_x`, `across_y`) [1/m] is the unit vector
+    across the chord, divided by the length. Numbers may also be vectors.
     """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
     nothing, moment = 0.0 * torque, inner - outer
@@ -143,7 +144,7 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
 
 @kernel
 def distribute_loads(model, state, work):
-    """Sum in `work` the presently directed loads of joints and cable loops on bodies and panel ends at the stages."""
+    """Sum joint and cable-loop loads at all stages, in their latest directions, into `work.bodies`, `work.panels`."""
     nothing = splat4(0.0)
     for b in range(model.bodies.size):
         for i in range(3):
@@ -273,7 +274,7 @@ def move_joints(model, work):
 
 @kernel
 def chord_angle(cable, x, y, turn):
-    """Add to `turn` (LANES,) [rad] the angle from a body's axis to a chord, which is (x, y) in the body's frame."""
+    """Add to the body angle `turn` (LANES,) [rad] the angle of its chord, `cable.chord_sense` * (x, y) in body axes."""
     small = True
     for s in range(STAGES):
         small = small and cable.chord_sense * x[s] > 0.0 and abs(y[s]) < _SMALL_SLOPE * abs(x[s])

@@ -115,7 +115,7 @@ def continue_course(foreseen, course, stage):
 
 @kernel
 def start_stages(model, state, work, h):
-    """Guess the stages of a step in `work`: directions turn at their initial rates, loads continue the last step's."""
+    """Guess the stages in `work`: turn bodies and contact normals at their present rates, extrapolate earlier loads."""
     foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
@@ -158,8 +158,9 @@ def start_stages(model, state, work, h):
 def move_stages(model, state, work, tables, level, h, shaped, coupled):
     """Compute in `work` the motion of bodies, attachments and joints at the stages under the present loads.
 
-    If `shaped`, update foreshortening; if `coupled`, also its forces, from amplitudes under the previous forces.
-    `tables` at `level` hold the modes' responses to the step `h` [s].
+    If `shaped`, update foreshortening, the shortening of panels by bending. If `coupled`, also update its forces on the
+    modes, from the amplitudes that the previous iteration's forces cause. `tables` hold, at index `level`, the panel
+    modes' responses to the step `h` [s].
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
@@ -194,9 +195,10 @@ def velocity_tolerance(model, state, settings):
 
 @kernel
 def set_tolerances(model, state, work, settings, h, n):
-    """Set the tolerance of every force among the `n` unknowns in `work.loads`.
+    """Write the tolerance [N] of every force among the `n` unknowns to `work.loads`.
 
-    It bounds how far the force at the start of the step may lie from the polynomial through its values at the stages.
+    Newton's iteration stops at corrections that are small against it. The error test of the step `h` [s] compares it
+    with the difference, at the step's start, between the force and the polynomial through the forces at the stages.
     """
     limit = work.step[0].velocity_tolerance
     for r in range(n):
@@ -248,8 +250,8 @@ def factor_matrix(state, work, n, h, renewed):
 def correct_loads(model, state, work, n, h, renewed):
     """Correct the loads once by Newton's method, with a new matrix if `renewed` or if a load's law changed branch.
 
-    Return the greatest change of the `n` unknowns, and the greatest change of a torque that is no unknown, divided by
-    their tolerances. Both are infinite if the matrix is singular or a change is not finite.
+    Torques outside Newton's matrix take their laws' values. Return the greatest changes, in tolerances, of the `n`
+    unknowns and of these torques. Both are infinite if the matrix is singular or a change is not finite.
     """
     size = apart = total = splat4(0.0)
     changed = greatest_lane(torque_laws(model, state, work) + contact_laws(model, state, work, n))
@@ -289,7 +291,7 @@ def furthest_off(model, work, n):
 
 @kernel
 def solve_step(model, state, work, settings, tables, level, h):
-    """Solve for the joint loads at the stages of a step `h` [s]; return False if the iteration does not converge."""
+    """Solve for the joint loads at the stages; return False if unconverged. `tables`, `level`: see `move_stages`."""
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:

@@ -4,8 +4,7 @@ A mode obeys y'' + 2 delta y' + omega^2 y = f. The stages are from E. Hairer and
 Differential Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last stage is the
 step's end. A load's course over a step is the polynomial through its values at the stages. A resolved mode responds
 exactly; so does a mode that vibrates several times in a step, if damping makes errors fade. Other modes respond as the
-Radau method integrates them: it damps what it cannot follow. Their exact values, at arbitrary phases, would be
-unstable.
+Radau method integrates them, with numerical damping; their exact values, at arbitrary phases, would be unstable.
 
 A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. Bending and axial modes form
 four groups. The sum or the difference of the two ends' loads acts on a group. One end's values give the other end's.
@@ -187,9 +186,9 @@ def make_tables(panels: Panels, levels: int) -> Tables:
 
 @kernel
 def exact_coefficients(frequency, damping_rate, h, answer):
-    """Write the exact response of a mode to a step `h` [s] to `answer`, by a Taylor series whose terms fall as 1/n!.
+    """Write a mode's exact motion in a step `h` [s] to `answer.coefficient`, as `fill_answer` describes it.
 
-    Vectors have a lane for each cause: unit start value, start rate of 1/h, and loads of 1/h^2 at the stages.
+    A Taylor series, whose terms fall as 1/n!, is summed for all five causes at once, one in each lane of a vector.
     """
     square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
     first, second, largest = load8(_UNIT_VALUE, 0), load8(_UNIT_RATE, 0), 1.0
@@ -226,7 +225,7 @@ def exact_coefficients(frequency, damping_rate, h, answer):
 
 @kernel
 def closed_coefficients(frequency, damping_rate, h, coefficients):
-    """Write an underdamped mode's exact response to `coefficients`: free vibration about a particular solution."""
+    """Write an underdamped mode's exact motion, in closed form, to `coefficients`, as `fill_answer` describes it."""
     square, inverse = frequency * frequency, 1.0 / h
     damped = math.sqrt(square - damping_rate * damping_rate)
     for s in range(STAGES):
@@ -255,7 +254,7 @@ def closed_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
-    """Write a mode's response by Radau IIA to `coefficients`: solve three equations for the stage accelerations."""
+    """Write a mode's motion by the Radau IIA method to `coefficients`, as `fill_answer` describes it."""
     square, damping = frequency * frequency, 2.0 * damping_rate
     (a11, a12, a13), (a21, a22, a23), (a31, a32, a33) = A
     (b11, b12, b13), (b21, b22, b23), (b31, b32, b33) = B
@@ -285,7 +284,13 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel(inlined=False)
 def fill_answer(frequency, damping_rate, exact, h, answer):
-    """Compute a mode's response to a step `h` [s] in `answer`; damped modes respond exactly up to omega h = `exact`."""
+    """Compute in `answer` a mode's motion in a step `h` [s] for a unit start value, start rate, or load at a stage.
+
+    For each of these five causes in turn, `answer.coefficient` has four values, then four rates: at the three stages,
+    and the last stage again. They are exact up to omega h = 2, and up to omega h = `exact` for damping ratios above
+    0.02. Beyond, or if the damping rate [1/s] exceeds 1 / h, they are the Radau method's, and `answer.defect` has the
+    errors of free motion at the end of the step. `frequency` is omega [rad/s].
+    """
     coefficients, phase = answer.coefficient, frequency * h
     for c in range(2 * DEFECTS):
         answer.defect[c] = 0.0

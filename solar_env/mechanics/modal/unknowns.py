@@ -1,8 +1,7 @@
 """Unknown loads of a step, and their mobility: the motion at the stages that a unit of an unknown causes.
 
-A unit of an unknown loads the two bodies of its joint. By reciprocity, this unit load times the bodies' motion gives
-the motion on which the unknown does work: a joint angle, a negative penetration depth, a sliding speed, or a relative
-velocity component.
+A unit of an unknown loads the two bodies of its joint. By reciprocity, this unit load times the bodies' motion is the
+motion on which the unknown does work: joint angle, negative penetration depth, sliding speed, or relative velocity.
 """
 
 import math
@@ -61,7 +60,11 @@ _APART = 5e-4  # s, step below which Newton's matrix leaves out the effect of a 
 
 @kernel
 def effect_of_torque(model, tables, level, h, j):
-    """Return upper bounds of a unit torque's effects on joint `j` in a step: angle [rad], velocity of points [m/s]."""
+    """Return upper bounds of the angle [rad] and velocity [m/s] that a constant unit torque on joint `j` causes.
+
+    The velocity is relative, between the joint's points on its two bodies. `tables` hold, at index `level`, the panel
+    modes' responses to the step `h` [s].
+    """
     joint, angle, velocity = model.joints[j], 0.0, 0.0
     for face in range(2):
         attachment = model.attachments[joint.outboard if face == 0 else joint.inboard]
@@ -101,8 +104,9 @@ def list_loop(model, work, r, kind, c, number):
 def list_rows(model, state, work, tables, level, h):
     """List the unknowns of a step in `work.unknowns`, and set the tolerances of torques; return the unknowns' number.
 
-    A torque that hardly changes by its own effect in a step is no unknown: every iteration evaluates it from the
-    motion.
+    A torque is an unknown if an engaged stop, a damper or dry friction contributes, or if the rotation that it causes
+    in the step changes it by over 5 %. Every iteration evaluates the other torques from the motion. `tables` hold, at
+    index `level`, the panel modes' responses to the step `h` [s].
     """
     n = 0
     for j in range(model.joints.size):
@@ -135,7 +139,10 @@ def list_rows(model, state, work, tables, level, h):
 
 @kernel
 def mark_blocks(work, n, h):
-    """Divide `n` unknowns into matrix blocks: by joint in short steps without loops or reactions, else one block."""
+    """Write to `work.unknowns` each unknown's block of Newton's matrix: its `first` unknown, and `end` after its last.
+
+    Each joint has one block in steps `h` below 0.5 ms without cable loops and reactions; otherwise all share one block.
+    """
     apart = h < _APART
     for r in range(n):
         apart = apart and work.unknowns[r].faces < FACES and work.unknowns[r].kind < REACTION_X_ROW
@@ -194,7 +201,7 @@ def fill_unit_loads(model, work, n):
 
 @kernel
 def add_scaled(sums, gain, motion):
-    """Return the three vectors `sums`, one for the load at each stage, plus `gain` times `motion` (BY_LOAD,)."""
+    """Return the three vectors `sums`, one per stage load, plus `gain` * `motion` (24,), eight numbers for each."""
     first, second, third = sums
     first, second = first + gain * load8(motion, 0), second + gain * load8(motion, COLUMNS)
     return first, second, third + gain * load8(motion, 2 * COLUMNS)
@@ -202,10 +209,11 @@ def add_scaled(sums, gain, motion):
 
 @kernel
 def add_shared(work, model, tables, level, number, reading, other, opposite, sums):
-    """Return `sums` plus one body's part of the motion on which an unknown does work, per unit of the `other` unknown.
+    """Return `sums` plus the motion of one body that the unknown load `other` causes, projected on the load `reading`.
 
-    The motion is measured by the unknown's unit load, `reading`, at attachment `number`. The other unknown acts on the
-    same body, at its own attachment with index `opposite`.
+    `sums` are three vectors of values and rates at the stages, one for a unit of `other` at each stage. `reading` is a
+    unit load at attachment `number`, which does work on the projection. `other`, a record of `work.unknowns`, acts on
+    the same body, at its attachment with index `opposite`. `tables` hold, at index `level`, the modes' responses.
     """
     attachment, loaded = model.attachments[number], model.attachments[other.attachment[opposite]]
     body, load = model.bodies[attachment.body], other.load[opposite]
@@ -225,9 +233,10 @@ def add_shared(work, model, tables, level, number, reading, other, opposite, sum
 
 @kernel
 def share_motion(model, work, tables, level, p, q, mutual):
-    """Compute in `work.mobility` the motion on which unknown `p` does work, per unit of unknown `q`.
+    """Compute in `work.mobility[p, q]` the motion on which unknown load `p` does work, caused by a unit of load `q`.
 
-    If `mutual`, copy it to the entry for `q` per unit of `p`. Only bodies that both unknowns load contribute.
+    The motion has values and rates at the stages, for the load `q` at each stage. If `mutual`, copy it to [q, p]. Only
+    bodies that both loads act on contribute. `tables` hold, at index `level`, the panel modes' responses to the step.
     """
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
@@ -245,7 +254,7 @@ def share_motion(model, work, tables, level, p, q, mutual):
 
 @kernel
 def fill_mobility(model, work, tables, level, h, n):
-    """Compute in `work.mobility` the motion on which each unknown does work, per unit of each unknown in its block."""
+    """Fill `work.mobility` by `share_motion` (see there) for all pairs of the `n` unknowns that share a block."""
     fill_unit_loads(model, work, n)
     for k in range(STAGES):
         store8(work.rigid, COLUMNS * k, joined(h * h * load4(PLACE_BY_LOAD[k], 0), h * load4(VELOCITY_BY_LOAD[k], 0)))

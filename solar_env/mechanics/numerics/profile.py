@@ -2,9 +2,8 @@
 
 The unknowns are eliminated along the chain of bodies, node by node, every multiplier right after the last coordinate
 that it acts on. In this order the profile (A. George and J. W. H. Liu, Computer Solution of Large Sparse Positive
-Definite Systems, Prentice-Hall 1981, chapter 4) is narrow: work and storage grow linearly with the number of elements
-and bodies. Pivots need no exchange, since the positive definite matrix of the bodies that a multiplier joins precedes
-the multiplier and makes its pivot negative.
+Definite Systems, Prentice-Hall 1981, chapter 4) is narrow: work and storage grow linearly with the bodies and elements.
+Pivots need no exchange: the positive definite matrix of a multiplier's bodies precedes it and makes its pivot negative.
 
 Positions in the order come in blocks of four, the coordinates of a node: products of 4 x 4 blocks keep the processor's
 vector registers filled. Empty positions, which have no unknown, fill up the blocks of multipliers.
@@ -25,7 +24,7 @@ _SHIFT, _REST = 2, 3
 
 
 class Elimination(NamedTuple):
-    """Elimination order of unknowns (coordinates, linear-constraint and length multipliers), and the matrix profile."""
+    """Elimination order of coordinates and multipliers (of linear constraints and body lengths), and matrix profile."""
 
     position: NDArray[np.int64]  # (unknowns,) position in the order; -1 for held unknowns
     empty: NDArray[np.int64]  # positions without an unknown

@@ -51,9 +51,10 @@ def latch(joints, state, j, time):
 
 @kernel
 def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
-    """Add the wear that the sliding work [J] of one accepted step causes to both surfaces of joint `j`.
+    """Add the wear of joint `j` by the sliding work [J] of an accepted step to `state.wear_journal` and `wear_bearing`.
 
     The line of centres moved along the arcs `journal` and `bearing` (middle, half angle) [rad] in the bodies' frames.
+    The penetration `depth` [m] sets the width of the contact, over which the wear is spread.
     """
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
     worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width

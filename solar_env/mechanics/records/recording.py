@@ -77,7 +77,11 @@ def pause_due(recorder, time, joints):
 
 @kernel(inlined=False)
 def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a, multipliers, energies):
-    """Evaluate loads and energies at an interpolated state, and store them as the next row of `recorder.samples`."""
+    """Write an interpolated state `q`, `v`, its loads, energies and `integrals` to the next row of `recorder.samples`.
+
+    `integrals` are works, losses and impulses up to `time` [s]. `work` holds the contacts' impact speeds; its other
+    arrays, `a`, `multipliers` and `energies` are scratch.
+    """
     accelerations(model, joint_states, q, v, time, work, a, multipliers)
     stored_energies(model, joint_states, q, v, work.loads, energies)
     row = recorder.samples[recorder.filled[0]]
@@ -96,7 +100,7 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
 
 @kernel
 def record_contact(recorder, j, joint_state, integrals, end):
-    """Store joint `j`'s contact, which ends at the time `end` [s], as the next row of `recorder.contacts`."""
+    """Write joint `j`'s contact, ended at `end` [s], to `recorder.contacts`; `integrals` give its impulse and work."""
     if recorder.contacts.shape[0] == 0:
         return
     row = recorder.contacts[recorder.filled[1]]

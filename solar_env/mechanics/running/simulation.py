@@ -200,7 +200,7 @@ class Simulation:
 
     @cached_property
     def _lane(self) -> tuple[Handle, Handle, dict[str, Handle]]:
-        """Handles (addresses for compiled code) of model and state as a batch of one; scratch arrays by method."""
+        """Handles (addresses) of model and state as a batch of one; dictionary of scratch handles by integrator."""
         return Handle(with_lane_axis(self.model)), Handle(with_lane_axis(self.state)), {}
 
     def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:

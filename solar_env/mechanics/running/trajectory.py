@@ -256,7 +256,7 @@ def assemble(
 ) -> Trajectory:
     """Make the trajectory of a finished run from its samples, its contacts (`contact_table`) and its last state.
 
-    Counts of steps, and how often the laws were at their limits, are added to `metadata`.
+    Counts of steps and evaluations, `slow_contacts` and `creeping_share` are added to a copy of `metadata`.
     """
     table, joints, clock = recorder.samples, model.joints.size, state.clock[0]
     slices = sample_columns(model, state)
@@ -331,7 +331,7 @@ def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np
 
 
 def _limits_of_the_laws(joints: Any, contacts: Any, normal: Array, tangential: Array) -> dict[str, Any]:
-    """Return how often contact and friction left their laws' range: `slow_contacts` and `creeping_share`."""
+    """Return the number of `slow_contacts`, and the `creeping_share` of samples in contact, see `Trajectory`."""
     loose = joints["kind"] == m.CLEARANCE
     pressed = normal[:, loose] > 0.0
     coulomb = joints["friction_coefficient"][loose] * normal[:, loose]

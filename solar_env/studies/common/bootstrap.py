@@ -14,7 +14,7 @@ _RESAMPLES, _SEED = 2000, 0
 
 
 def resampled_means(values: Array) -> Array:
-    """Return the means of bootstrap resamples (resamples, ...) of (n, ...) values; equal n gives the same resamples."""
+    """Return the (resamples, ...) means of bootstrap resamples of (n, ...) values; drawn indices depend on n alone."""
     count = len(values)
     chosen = np.random.default_rng(_SEED).multinomial(count, np.full(count, 1.0 / count), size=_RESAMPLES)
     return np.asarray(np.tensordot(chosen / count, values, axes=1))

@@ -84,7 +84,7 @@ def _motors(trajectory: Trajectory) -> Array:
 
 
 def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
-    """Return a film's frames, one every `interval` [s]; each has the peak forces of all frame intervals before it."""
+    """Return a film's frames, one every `interval` [s]; each has a history of peak forces, one per earlier interval."""
     times = np.arange(0.0, trajectory.time[-1] + 0.5 * interval, interval)
     kept = np.minimum(np.searchsorted(trajectory.time, times - 1e-9), len(trajectory.time) - 1)
     body, panels = _lines(trajectory, kept)
@@ -111,13 +111,13 @@ def scenes_of(trajectory: Trajectory, interval: float) -> list[Scene]:
 
 
 def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -> Table:
-    """Return a collapsible table of all parameters: value, unit and, if in `ranges`, the range that runs sample."""
-    known, drawn = units(), ranges or {}
-    columns = ("parameter", "value", "unit", *(("drawn between",) if drawn else ()))
+    """Return a collapsible table of all parameters: value, unit, whether it is the default one, sampled range."""
+    known, drawn, default = units(), ranges or {}, ArrayParameters().to_dict()
+    columns = ("parameter", "value", "unit", "default", *(("drawn between",) if drawn else ()))
     rows = []
     for name, value in parameters.to_dict().items():
         between = [" and ".join(map(_entered, drawn[name]))] if name in drawn else [""] if drawn else []
-        rows.append([name, _entered(value), known[name], *between])
+        rows.append([name, _entered(value), known[name], "yes" if value == default[name] else "no", *between])
     return Table("Parameters of the array", columns, rows, folded=True)
 
 

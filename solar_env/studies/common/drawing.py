@@ -49,7 +49,7 @@ def use_decades(axis: Axes, which: str) -> None:
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:
     """Save a figure of `make_figure` to `path`, with `title` (its conclusion) above, `note` and a legend below.
 
-    `looks` maps each legend entry to its line style. The same tables give the same file.
+    `looks` maps each legend entry to its line style. Equal figures give equal files, byte by byte.
     """
     with mpl.rc_context(STYLE):
         handles = [Line2D([], [], linewidth=1.0, markersize=4, label=name, **look) for name, look in looks.items()]

@@ -121,7 +121,7 @@ class Level:
         return replace(default, rtol=perturbed_setting(default.rtol, member) / self.tighter)
 
     def deploy(self, parameters: ArrayParameters, member: int, duration: float, output_step: float) -> Trajectory:
-        """Simulate ensemble member `member` (see `perturbed`) for `duration` [s], sampled every `output_step` [s].
+        """Return member `member`'s trajectory over `duration` [s], sampled every `output_step` [s]; see `perturbed`.
 
         Raises:
             SimulationError: if the run cannot go on.
@@ -140,7 +140,7 @@ FINEST = Level("flexible-clearance:48 modes", tighter=10.0)
 
 
 def run_ours(scene: Scene, integrator: Integrator) -> Motion:
-    """Simulate a scene with one of this library's integrators, and suppress the library's warnings.
+    """Simulate a scene with one of this library's integrators, without its warnings; return the `Motion`.
 
     Raises:
         SimulationError: if the run cannot go on.

@@ -52,7 +52,7 @@ class ChartPlan:
     side_duration: float = 30.0  # duration of the deployments that are timed side by side [s]
 
     def deployment(self, model: str) -> Scene:
-        """Return a deployment at model level `model` with this plan's panels; it ends shortly after the latching."""
+        """Return a deployment by `model`, with flexible panels of `panels` ("6 elements"); it ends after latching."""
         return Scene(with_panels(model, self.panels), self.parameters, self.duration, self.before_latch / 120.0)
 
 

@@ -68,7 +68,7 @@ def quantity_name(text: str) -> str:
 
 @dataclass(frozen=True)
 class Change:
-    """Parameter and its range; if `factor`, the range is of a factor on present values, which differ between joints."""
+    """Parameter and the range of its values; if `factor`, of a common factor on values that differ between joints."""
 
     name: str
     low: float
@@ -92,7 +92,7 @@ class Change:
         return float(f"{self.low + share * (self.high - self.low):.4g}")
 
     def share(self, value: float) -> float:
-        """Return the fraction of the range, from 0 to 1, at which a value lies: the inverse of `value`, clipped."""
+        """Return the fraction of the range at which a value lies, clipped to [0, 1]; the method `value` inverts it."""
         if self.logarithmic:
             share = np.log(max(value, self.low) / self.low) / np.log(self.high / self.low)
         else:

@@ -49,7 +49,7 @@ CONTROLLERS = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """One ensemble member's answers to the ladder's questions, and their cost; from a run, or a run per controller."""
+    """Results of one ensemble member at a model level: an array per question, such as "peak-force", and the cost."""
 
     answers: dict[str, Array]  # question -> (k, d): k quantities, each a vector of d components
     wall: float  # time taken [s]
@@ -60,7 +60,7 @@ def deploy(level: Level, member: int, duration: float) -> Outcome:
     """Simulate an ensemble member's deployment on springs alone for `duration` [s].
 
     Returns:
-        Answers to all questions except the ranking of controllers, and the cost.
+        The outcome: an array for each question, such as "peak-force", except the ranking of controllers; and the cost.
 
     Raises:
         ValueError: if a joint has not latched.
@@ -143,7 +143,7 @@ class LadderPlan:
 
     @property
     def runs(self) -> list[tuple[Level, int, bool]]:
-        """Runs (level, ensemble member, True under controllers); levels alternate, so that disturbances affect all."""
+        """Runs (level, ensemble member, whether controlled); levels alternate, so that machine load slows all alike."""
         return [
             (level, member, controlled)
             for most, controlled in ((self.members, False), (self.controlled_members, True))
@@ -263,7 +263,10 @@ def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
 
 
 def discordant_share(level: Array, reference: Array) -> Array:
-    """Return the (...) fractions of controller pairs that two (..., controllers, quantities) tables rank oppositely."""
+    """Return the fraction of controller pairs that two tables rank oppositely, averaged over quantities; ties half.
+
+    The tables have shape (..., controllers, quantities); the result has the leading axes.
+    """
     first, second = np.triu_indices(reference.shape[-2], k=1)
     signs = [np.sign(table[..., first, :] - table[..., second, :]) for table in (level, reference)]
     return np.asarray((1.0 - signs[0] * signs[1]).mean(axis=(-2, -1)) / 2.0)

@@ -40,7 +40,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
 
 
 def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
-    """Return a title: the cheapest panels that answer each question within _TOLERANCE, and the unanswered questions."""
+    """Return a title: the cheapest panel model with errors to _TOLERANCE for each question `asked`, such as "wear"."""
     chosen: dict[str, list[str]] = {}
     for question in asked:
         within = [answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE]

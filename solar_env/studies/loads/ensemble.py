@@ -4,7 +4,7 @@ import contextlib
 import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from solar_env.studies.common.failures import told
 from solar_env.studies.common.motion import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
 from solar_env.studies.loads.runs import deploy, member_parameters
-from solar_env.studies.loads.sensitivity import Result, Sensitivity, Shift, one_at_a_time, regression, shifts
+from solar_env.studies.loads.sensitivity import Result, Sensitivity, one_at_a_time, regression, shifts
 from solar_env.studies.loads.statistics import Figure, figure_of
 from solar_env.support.campaigns import Campaign, Cell
 
@@ -64,7 +64,7 @@ class LoadsPlan:
 
     @cached_property
     def forms(self) -> Mapping[str, ParameterFile]:
-        """The array with contact laws for other geometries (bodies in contact -> array); refused laws are left out."""
+        """Mapping of other bodies in contact, such as "spheres", to the array with their contact law, where valid."""
         own = self.array.parameters.contact_law
         own = own if own in GEOMETRIES else next(iter(GEOMETRIES))
         ranges = {name: pair for name, pair in self.array.randomize.items() if name != "contact_stiffness"}
@@ -133,11 +133,14 @@ class Loads:
     warnings: Mapping[str, int]  # warning of the simulator -> number of runs with it
     failures: str  # runs that failed, with reasons; empty without failures
     forms: Mapping[str, tuple[Figure, ...]]  # other contact -> peak force by joint; model_error: own law minus this
-    sensitivity: Sensitivity
+    values: Mapping[str, Array]  # quantity -> (members, joints) values at the level, or (members, 1) of the hub
+    sensitivity: Sensitivity  # by regression if parameters are drawn; otherwise empty until `measure_sensitivity`
 
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
     """Simulate the ensemble on `workers` processes, and return its results; runs stored in `folder` are not repeated.
+
+    If no parameter is drawn, the results lack the effects of the parameters; `measure_sensitivity` adds them.
 
     Raises:
         ValueError: if the folder holds another ensemble, or no run latches all joints.
@@ -147,11 +150,23 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console)
         for member in range(1, plan.members + 1)
         for level, array in plan.asked
     ]
-    shifted = {} if plan.array.randomize else shifts(plan.array.parameters, plan.model)
-    singles = {key: plan.cell(plan.levels[0], array, {}, 0) for key, array in shifted.items()}
-    campaign = Campaign(run_member, [*cells, *singles.values()], folder / STORE)
-    results = campaign.run_shown(workers, console, "deployments, at two levels, with other contact laws")
-    return gathered(plan, results[: len(cells)], dict(zip(singles, results[len(cells) :], strict=True)))
+    campaign = Campaign(run_member, cells, folder / STORE)
+    return gathered(plan, campaign.run_shown(workers, console, "deployments, at two levels, with other contact laws"))
+
+
+def measure_sensitivity(loads: Loads, folder: Path, workers: int, console: Console) -> Loads:
+    """Shift one parameter at a time, simulate each array once, and return `loads` with the effects of all parameters.
+
+    Runs are stored in `folder`. If parameters are drawn, their effects are known already, and nothing is simulated.
+    """
+    plan = loads.plan
+    if plan.array.randomize:
+        return loads
+    shifted = shifts(plan.array.parameters, plan.model)
+    cells = [plan.cell(plan.levels[0], array, {}, 0) for array in shifted.values()]
+    campaign = Campaign(run_member, cells, folder / STORE)
+    results = campaign.run_shown(workers, console, "deployments with one parameter shifted")
+    return replace(loads, sensitivity=one_at_a_time(dict(zip(shifted, results, strict=True)), loads.values))
 
 
 def check_latching(plan: LoadsPlan) -> None:
@@ -167,11 +182,10 @@ def _never(plan: LoadsPlan, where: str) -> str:
     return f"{where} all joints latch within {plan.deadline:g} s; {why}"
 
 
-def gathered(plan: LoadsPlan, results: Sequence[Result], singles: Mapping[Shift | None, Result]) -> Loads:
-    """Compute statistics and sensitivities from `results`, ordered by ensemble member, then as in `LoadsPlan.asked`.
+def gathered(plan: LoadsPlan, results: Sequence[Result]) -> Loads:
+    """Compute statistics from `results`, ordered by ensemble member, then as in `LoadsPlan.asked`.
 
-    A member with a failed run is left out. `singles` has the result of the nominal array (key None), and of each array
-    with one parameter shifted (key: parameter and factor); it is empty if the members sample parameters.
+    A member with a failed run is left out.
 
     Raises:
         ValueError: if no run latches all joints, or too many runs have failed.
@@ -203,8 +217,6 @@ def gathered(plan: LoadsPlan, results: Sequence[Result], singles: Mapping[Shift 
     }
     values = {name: np.array([run["quantities"][name] for run in levels[0]], dtype=float) for name in QUANTITIES}
     drawn = [member_parameters(plan.array.parameters, plan.array.randomize, k) for k in members]
-    if singles:
-        sensitivity = one_at_a_time(singles, values)
-    else:
-        sensitivity = regression(plan.array.randomize, drawn, values)
-    return Loads(plan, figures, hinge, hub, unlatched, said, failures, forms, sensitivity)
+    ranges, unknown = plan.array.randomize, Sensitivity(False, {}, "no parameter has been shifted")
+    sensitivity = regression(ranges, drawn, values) if ranges else unknown
+    return Loads(plan, figures, hinge, hub, unlatched, said, failures, forms, values, sensitivity)

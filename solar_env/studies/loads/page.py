@@ -12,7 +12,7 @@ from solar_env.pictures.page.content import Chart, Line, Page
 from solar_env.pictures.style import COLOURS
 from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table, shown_samples
 from solar_env.studies.loads.ensemble import Loads
-from solar_env.studies.loads.report import answer, full_name, sureness, tables, worst_joint
+from solar_env.studies.loads.report import answer, full_name, sureness, tables, what_changes, worst_joint
 from solar_env.studies.loads.runs import FREQUENCIES, Deployment
 from solar_env.studies.loads.sensitivity import SHARE, Effects
 from solar_env.studies.loads.statics import first_modes
@@ -24,7 +24,7 @@ _BARS = 8  # greatest number of parameters in a chart of sensitivities
 
 
 def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
-    """Return an ensemble's web page with its nominal deployment: sentences (with `before`), charts, tables, `notes`."""
+    """Return an ensemble's page, with sentences `before` (known without runs, see `statics`) and last lines `notes`."""
     name = f"Nominal array, {loads.plan.levels[0].name}"
     charts = [
         *charts_of({name: nominal.trajectory}),
@@ -37,7 +37,8 @@ def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: 
     motions = [motion_of(nominal.trajectory, name)]
     title = "How hard the hinges and the hub are hit"
     parameters = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
-    return Page(title, answer(loads, before), motions, charts, [*tables(loads), parameters], notes)
+    words = [*answer(loads, before), what_changes(loads)]
+    return Page(title, words, motions, charts, [*tables(loads), parameters], notes)
 
 
 def _hub_charts(nominal: Deployment) -> Iterator[Chart]:

@@ -23,7 +23,7 @@ _TOLD = 3  # greatest number of parameters stated for a quantity
 
 
 def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
-    """Return sentences on latch torque, hub motion, pin force, momentum, wear, hub loads, sensitivities, and the runs.
+    """Return sentences on latch torque, hub motion, pin force, momentum, wear, hub loads, and the runs.
 
     The sentences `before`, known without any run (see `statics`), follow the first. Each load comes with the 95 %
     interval of its mean; the quantities of `_STATED` also with their high quantile and discretisation error.
@@ -34,6 +34,8 @@ def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
     errors = {name: _with_model_error(loads.figures[name][0], QUANTITIES[name]) for name in HUB_QUANTITIES}
     joint, deepest = worst["wear_depth"]
     deployments = WEAR_LIMIT / deepest.mean if deepest.mean > 0.0 else math.inf
+    scatter = loads.plan.members >= FEWEST and not loads.plan.array.randomize
+    alone = " Intervals (\u00b1) are of an assumed scatter of the release alone: give tolerances in the file."
     negligible = "which is negligible: " if deployments > MANY_DEPLOYMENTS else ""
     (stopped, _), (fastest, rate), (bent, moment) = (
         worst[name] for name in ("latch_torque", "latch_rate", "peak_torque")
@@ -42,7 +44,8 @@ def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
         f"The latch of {stopped} takes the greatest torque, on which a hinge is sized: {stated['latch_torque']}; "
         f"{fastest} latches fastest, at {_with_interval(rate, QUANTITIES['latch_rate'])}; the root of the panel of "
         f"{bent} is bent hardest, by {_with_interval(moment, QUANTITIES['peak_torque'])}; the hub turns by "
-        f"{hub['hub_excursion']} at most ({errors['hub_excursion']}) and is accelerated by {hub['hub_acceleration']}.",
+        f"{hub['hub_excursion']} at most ({errors['hub_excursion']}) and is accelerated by {hub['hub_acceleration']}."
+        + (alone if scatter else ""),
         *before,
         f"The pin of {worst['peak_force'][0]} is hit hardest: {stated['peak_force']}; {_forms(loads)}.",
         f"Within {loads.plan.window:g} s of the last latching {worst['impulse'][0]} exchanges most momentum: "
@@ -51,7 +54,6 @@ def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
         "deployments to 1 micrometre, if every one wears the same place.",
         f"The hub sees {hub['hub_force']} ({errors['hub_force']}) and {hub['hub_torque']} ({errors['hub_torque']}) at "
         "the peak.",
-        _what_changes(loads),
         _basis(loads),
     ]
 
@@ -91,15 +93,16 @@ def _forms(loads: Loads) -> str:
     return f"{', '.join(told)}: the model form leaves it between {low} and {high} N"
 
 
-def _what_changes(loads: Loads) -> str:
+def what_changes(loads: Loads) -> str:
     """Return a sentence on the parameters that change latch torque, pin force and hub rotation (`_SIZING`) most."""
     found = loads.sensitivity
     if found.missing:
-        return f"What changes the figures is not known: {found.missing} (--runs)."
-    told = []
+        return f"What changes the figures is not known: {found.missing}."
+    told, one_sided = [], False
     for name in _SIZING:
         joint = worst_joint(loads.figures[name])
         effects = found.effects[name][joint]
+        one_sided |= any(effects.one_sided(parameter) for parameter in effects.ranking[:_TOLD])
         most = [f"{parameter} {effect_text(effects, parameter)}" for parameter in effects.ranking[:_TOLD]]
         told.append(f"the {full_name(loads, name, joint)}: {', '.join(most) if most else 'nothing beyond its scatter'}")
     how = (
@@ -107,7 +110,8 @@ def _what_changes(loads: Loads) -> str:
         if found.drawn
         else f"{100 * SHARE:g} % less, {100 * SHARE:g} % more"
     )
-    return f"What changes them most ({how}): {'; '.join(told)}."
+    luck = " Where less and more change a load alike, the nominal value is a lucky or unlucky one." if one_sided else ""
+    return f"What changes them most ({how}): {'; '.join(told)}.{luck}"
 
 
 def effect_text(effects: Effects, parameter: str) -> str:
@@ -119,7 +123,7 @@ def effect_text(effects: Effects, parameter: str) -> str:
 
 
 def sureness(effects: Effects) -> str:
-    """State the variance that a regression explains or, for one change at a time, how large a change scatter causes."""
+    """State the variance that a regression explains or, for single shifts, the change that scatter alone may cause."""
     if math.isfinite(effects.explained):
         return f"{100.0 * max(effects.explained, 0.0):.0f} % of the variance explained"
     return f"below {shortened(100.0 * effects.noise)} % is scatter" if effects.noise > 0.0 else "scatter unknown"
@@ -168,7 +172,7 @@ def _basis(loads: Loads) -> str:
     if drawn:
         text += f"drawn: {drawn}."
     else:
-        text += "no parameter is drawn: intervals come from the release's assumed scatter; give tolerances in the file."
+        text += "no parameter is drawn."
     if plan.members >= FEWEST:
         text += " \u00b1 is the 95 % interval of a mean."
     else:

@@ -53,7 +53,7 @@ def member_parameters(parameters: ArrayParameters, ranges: Ranges, member: int) 
 
 
 def deploy(level: Level, parameters: ArrayParameters, member: int, window: float, deadline: float) -> Deployment:
-    """Simulate an array until `window` [s] after its last latching, or to the deadline [s] if a joint is still open.
+    """Return the `Deployment` until `window` [s] after the last latching, or to `deadline` [s] if a joint stays open.
 
     `parameters` belong to the ensemble member `member`, whose number also varies the integrator's tolerance.
     """

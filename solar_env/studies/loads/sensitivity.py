@@ -54,6 +54,11 @@ class Effects:
     noise: float
     explained: float = np.nan
 
+    def one_sided(self, parameter: str) -> bool:
+        """Return whether both shifts of a parameter, down and up, change the quantity alike and beyond the noise."""
+        low, high = self.low[parameter], self.high[parameter]
+        return not np.isfinite(self.explained) and low * high > 0.0 and min(abs(low), abs(high)) > self.noise
+
     @property
     def ranking(self) -> list[str]:
         """Parameters with effects above the noise, or regression intervals that exclude 0; greatest effect first."""
@@ -150,7 +155,7 @@ def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mappi
                 columns[name if j is None else f"{name}, joint {j + 1}"] = drawn
     fewest = len(columns) + 3
     if len(members) < fewest:
-        return Sensitivity(True, {}, f"{len(columns)} parameters are drawn, whose effects take {fewest} runs and more")
+        return Sensitivity(True, {}, f"{len(columns)} parameters are drawn, which takes {fewest} runs or more (--runs)")
     effects = {quantity: tuple(_regressed(columns, y) for y in table.T) for quantity, table in values.items()}
     return Sensitivity(True, effects)
 

@@ -55,7 +55,7 @@ class CaseRun:
 
 
 def simulate_run(run: CaseRun) -> Trajectory:
-    """Simulate a deployment with default integrator settings; `motion.perturbed` says how ensemble members differ."""
+    """Return the trajectory of a run with the default integrator; ensemble members differ as in `motion.perturbed`."""
     model, changes = CASES[run.case]
     parameters = ArrayParameters.preset("paper").with_changes(dict(run.changes)).with_changes(changes)
     return Level(with_panels(model, PANELS)).deploy(parameters, run.member, DURATION, OUTPUT_STEP)
@@ -73,7 +73,7 @@ SAMPLES_PER_TURN = 720
 
 
 def simulate_four_bar(turns: int, with_clearance: bool) -> Trajectory:
-    """Simulate `turns` crank turns of the linkage from centred journals; clearance is at the crank-coupler pin only."""
+    """Return the trajectory of `turns` crank turns from centred journals; clearance only at the crank-coupler pin."""
     array = ArrayParameters()
     bearing = replace(array.bearing(0), width=FOUR_BAR_WIDTH)
     mechanism = four_bar(crank_rate=FOUR_BAR_RATE, clearances={FOUR_BAR_PIN: bearing} if with_clearance else None)

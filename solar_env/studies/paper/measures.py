@@ -49,15 +49,15 @@ def joint_2_over_1(figure: FigureOfJoint) -> Figure:
 
 
 def over_joints(choose: Callable[[Iterable[float]], float], figure: FigureOfJoint) -> Comparison:
-    """Return a function of two trajectories: `choose` of both joints' ratios of `figure`, first over second motion."""
+    """Return a function that divides `figure` of one trajectory by a second's for each joint, then applies `choose`."""
     return lambda motion, reference: choose(figure(motion, joint) / figure(reference, joint) for joint in JOINTS)
 
 
 def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
-    """Return a function that takes the trajectories with clearance distributions 1 and 2, and returns a ratio.
+    """Return a function that divides `figure` of a joint with 0.2 mm clearance by its value with 0.1 mm.
 
-    `figure` at the joint in the trajectory where it has 0.2 mm clearance is divided by that in the other, where it has
-    0.1 mm. In distribution 1 joint 1 has 0.1 mm and joint 2 has 0.2 mm; distribution 2 is the reverse.
+    The function takes two trajectories. In the first, joint 1 has 0.1 mm and joint 2 has 0.2 mm (distribution 1); in
+    the second, joint 1 has 0.2 mm and joint 2 has 0.1 mm (distribution 2). `joint` counts from 0.
     """
     return lambda one, two: figure((two, one)[joint], joint) / figure((one, two)[joint], joint)
 

@@ -69,7 +69,7 @@ def _range_members(claim: Claim) -> range:
 
 
 def judge(claim: Claim, motions: Motions) -> Finding:
-    """Judge a claim by its quantity; `motions` maps the runs from `planned_runs` to their trajectories."""
+    """Return the `Finding`, the verdict on a claim; `motions` maps runs from `planned_runs` to their trajectories."""
     members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.changes})
     figures = _figures(claim, motions, members)
     median, preset = float(np.median(figures)), ArrayParameters.preset("paper")
@@ -140,7 +140,7 @@ def as_markdown(findings: Sequence[Finding]) -> str:
 
 
 def _places(finding: Finding) -> str:
-    """List in words the values of open parameters at which the claim holds, and at which it fails."""
+    """List, for parameters that the paper leaves open, the values at which the claim holds, and at which it fails."""
     places = []
     for name, held in finding.holds_for.items():
         failed = finding.fails_for[name]

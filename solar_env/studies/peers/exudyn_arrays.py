@@ -2,8 +2,7 @@
 
 All parts that exert a force are compiled objects of Exudyn, chosen for their speed:
 
-* rigid panels: planar bodies with three coordinates each; one linear stiffness matrix on the bodies' rotations holds
-  springs and cable loop;
+* rigid panels: planar bodies with three coordinates each, and one stiffness matrix of springs and cable loop;
 * rigid panels with ideal joints, for explicit solvers: a kinematic tree, which has no constraints;
 * flexible panels: cable elements in absolute nodal coordinates with our Kelvin-Voigt damping, and a massless body along
   the chord of the inner panel, against which the wheels of the cable loop turn;
@@ -174,8 +173,7 @@ class BeamArray(PeerArray):
     def angles(self, *values: Value) -> tuple[Value, Value]:
         """Return the two joint angles [rad].
 
-        `values`: the main body's rotation [rad], then the slope vectors (x, y) at the root of panel 1, the tip of panel
-        1 and the root of panel 2.
+        `values`: main body's rotation [rad], and slope vectors (x, y) at root and tip of panel 1 and root of panel 2.
         """
         turn, root_x, root_y, tip_x, tip_y, outer_x, outer_y = values
         first = np.arctan2(root_x, -root_y) - turn
@@ -185,7 +183,7 @@ class BeamArray(PeerArray):
     def _torques(self, ends: Any, markers: list[tuple[int, int]]) -> list[int]:
         """Add hinge springs and cable loop; return the numbers of markers that measure the joints' relative rotations.
 
-        `ends` has each joint's bearing and journal points (body, x, y), `markers` the numbers of the points' markers.
+        `ends` has two points (body, x, y) for each joint, on bearing and journal; `markers` has their markers' numbers.
         """
         p, system = self.p, self.system
         rotations = []
@@ -214,7 +212,7 @@ class BeamArray(PeerArray):
         return rotations
 
     def _rotation(self, inner: Any, outer: Any, folded: float) -> int:
-        """Add a marker of the rotation between points (body, x, y), counted from `folded` [rad]; return its number."""
+        """Add a marker of the relative rotation at points (body, x, y), zero at `folded` [rad]; return its number."""
         data = items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1)
         marker = items.MarkerBodiesRelativeRotationCoordinate(
             bodyNumbers=[inner[0], outer[0]],
@@ -227,7 +225,10 @@ class BeamArray(PeerArray):
         return int(self.system.AddMarker(marker))
 
     def _belt(self, ends: Any) -> int:
-        """Add a massless body along panel 1's chord, pinned at the root and sliding at the tip; return its number."""
+        """Add a massless body along panel 1's chord, pinned at the root and sliding at the tip; return its number.
+
+        `ends` has two points (body number, x, y) for each joint, on bearing and journal, in the body's frame [m].
+        """
         p, system = self.p, self.system
         speed, spin = self.release()[0]
         node = items.NodeRigidBody2D(

@@ -167,7 +167,7 @@ class PeerArray(ABC):
 
 
 def _stop_expression(stop: Stop, lock: float) -> Callable[..., Value]:
-    """Return an Exudyn user function: a two-sided stop's torque about `lock` [rad], on the equations' left side."""
+    """Return an Exudyn user function: torque of a two-sided stop at `lock` [rad], with the sign of angle - `lock`."""
     symbolic = exudyn.symbolic
 
     def one_side(depth: Value, closing_rate: Value) -> Value:

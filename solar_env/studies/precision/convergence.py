@@ -105,7 +105,10 @@ def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
 
 
 def _means(ensemble: list[Measured]) -> Row:
-    """Return an ensemble's table cells: number and median time of completed runs, means and standard errors."""
+    """Return an ensemble's table cells: number of completed runs, their median wall time [s], and ensemble means.
+
+    Each quantity in MEANS, such as the peak force, has a mean and a standard error for each joint.
+    """
     ended = [(result.wall, result.motion.totals) for result in ensemble if result.motion is not None]
     count = len(ended)
     row: Row = {"runs": count, "wall_s": float(np.median([wall for wall, _ in ended])) if ended else math.nan}
@@ -118,7 +121,7 @@ def _means(ensemble: list[Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Plot wall times against errors (ideal joints) and ensemble means (clearance); write tables; return both files."""
+    """Plot wall time against errors (ideal joints) or ensemble means (clearance); write tables; return both files."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):

@@ -1,7 +1,7 @@
 """Stability map over the friction law's two speeds: where a contact that should stick creeps, or steps become short.
 
-A torque of half the friction limit turns a loaded journal (`textbook.loaded_journal`). Coulomb friction would hold the
-journal; the ramp between the speeds v0 and v1 lets the journal creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and
+A torque of half the friction limit turns a loaded journal (`textbook.loaded_journal`). Coulomb friction would hold it;
+friction that rises from zero at the speed v0 to its limit at v1 lets it creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and
 W. Huang, Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed). Explicit steps shrink with v1 - v0.
 """
 
@@ -31,12 +31,15 @@ _INTEGRATORS: dict[str, Integrator] = {
 
 
 def creep_speed(speed_zero: float, speed_full: float) -> float:
-    """Return the sliding speed [m/s] at which friction on the ramp balances SHARE of the friction limit."""
+    """Return the sliding speed [m/s] at which friction, linear between the given speeds, is SHARE of its limit."""
     return speed_zero + (speed_full - speed_zero) * SHARE
 
 
 def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
-    """Simulate a journal at half the limiting friction torque with integrator `panel`; speeds [m/s] bound the ramp."""
+    """Return the simulated creep of a loaded journal under half the limiting friction torque.
+
+    Friction rises from zero at the sliding speed `speed_zero` [m/s] to its limit at `speed_full`; `panel`: integrator.
+    """
     bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, FRICTION, (speed_zero, speed_full))
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
     torque = SHARE * FRICTION * normal * RADIUS
@@ -56,7 +59,10 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
 
 
 def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Finding:
-    """Measure creep with integrator `panel` at half the friction limit; class it wrong, creeping, stiff or fine."""
+    """Simulate a journal under half the friction limit; return its sliding speed [m/s], and a class such as creeping.
+
+    Friction rises from zero at the sliding speed `speed_zero` [m/s] to its limit at `speed_full`; `panel`: integrator.
+    """
 
     def judge(run: Trajectory) -> Finding:
         speed, expected = float(run.rates[-1, 0]) * RADIUS, creep_speed(speed_zero, speed_full)

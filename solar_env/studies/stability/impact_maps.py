@@ -2,10 +2,8 @@
 
 A block bounces between the two walls of its gap (`textbook.bouncing_block`). Nothing acts in free flight, so that the
 impact speed of a contact is the exit speed of the contact before. The ratio of successive impact speeds is therefore
-the restitution of a bounce, which is compared with the contact law's exact restitution.
-
-A contact law's factor 1 + d rate / impact speed with d > 0 is singular at zero impact speed. The minimum impact speed
-prevents the singularity.
+the restitution of a bounce, which is compared with the contact law's exact restitution. A contact law's factor
+1 + d rate / impact speed is singular at zero impact speed if d > 0; the minimum impact speed prevents the singularity.
 """
 
 import math
@@ -55,7 +53,7 @@ def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float
 
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
-    """Measure and classify bounces by contact law `panel`, with generalized-alpha steps of `share` * impact time."""
+    """Return the worst of the `bounce_ratios` of contact law `panel`, and its class; step: `share` * impact time."""
 
     def judge(ratios: NDArray[np.float64]) -> Finding:
         worst = float(ratios[np.argmax(np.abs(ratios - 1.0))])
@@ -66,7 +64,10 @@ def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
 
 
 def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
-    """Measure exit / entry speed of a bounce at `speed` [m/s] by contact `law`; wrong if > 0.05 off `restitution`."""
+    """Simulate a bounce at `speed` [m/s] by contact `law`; return the ratio of exit to entry speed, and a class.
+
+    The class is fine if the ratio differs from `restitution`, which the law is given, by at most 0.05; else wrong.
+    """
 
     def bounce() -> Trajectory:
         bearing = replace(ARRAY, contact_law=law, restitution=restitution).bearing(0)
@@ -88,7 +89,7 @@ def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
 def restitution_limit(law: str, speed: float) -> float:
     """Return the greatest restitution coefficient that a contact law misses by over 0.05; nan if it never does.
 
-    At a speed below the minimum impact speed, the damping is weaker by the ratio of the two speeds.
+    At a `speed` [m/s] below the minimum impact speed, the damping is weaker by the ratio of the two speeds.
     """
     for asked in np.arange(1000, 0, -1) / 1000.0:
         contact = contact_law(law, ARRAY.surfaces(0), float(asked))

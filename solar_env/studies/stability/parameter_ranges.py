@@ -36,7 +36,7 @@ FINE, WARNED, STOPPED, REFUSED, SILENT = "fine", "warned", "stopped", "refused",
 
 
 def scaled(name: str, factor: float = 1.0) -> tuple[float, ...]:
-    """Return `factor` times a parameter's base value: one entry, or one per joint if the value is given by joint."""
+    """Return `factor` times a parameter's base value: a tuple of one number, or of a number for each joint."""
     value: Any = COUNTED_FROM.get(name, getattr(ArrayParameters(), name))
     return tuple(factor * entry for entry in (value if isinstance(value, tuple) else (float(value),)))
 

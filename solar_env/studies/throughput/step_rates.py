@@ -41,7 +41,7 @@ def moments(model: str) -> tuple[State, ...]:
 
 
 def placements(model: str, lanes: int) -> list[list[State]]:
-    """Return lists of saved states, one for each lane (environment); together they cover all 128 (MOMENTS) states."""
+    """Return lists with a saved state for each lane (environment); all lists together hold all 128 (MOMENTS) states."""
     every = moments(model)
     return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
@@ -85,8 +85,9 @@ Contestant = tuple[Any, Sequence[Callable[[], object]]]
 def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
     """Measure steps per second of several environments stepped in turn, so that disturbances affect all alike.
 
-    `contestants` maps names to (environment, placements): functions that restore saved states in all its `lanes` lanes.
-    All have equally many placements. A placement's step time is the median of all rounds but the first.
+    `contestants` maps a name to (environment, placements). A placement is a function that restores saved states in all
+    `lanes` lanes (single environments). In a round, each environment takes one step from each of its placements. The
+    time of a step from a placement is the median over all rounds but the first. All have equally many placements.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     rounds: list[list[list[float]]] = []
@@ -175,9 +176,10 @@ def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
     ]
     columns = ("model", f"ratio of {threads} threads to 1", "fraction of the time in compiled calls")
     return (
-        f"Environment steps of 0.1 s per second of wall time, by number of environments, with {threads} threads:\n\n"
+        f"Steps per second of wall time, by number of environments, with {threads} threads; a step is 0.1 s of the "
+        f"deployment:\n\n"
         f"{markdown_table(('model', *map(str, LANES)), rates)}\n\n"
-        f"The next table divides such rates: {threads} threads by 1 with {SCALED_LANES} environments, and this vector "
-        f"by other vector environments with {COMPARED_LANES}:\n\n"
+        f"Two threads compared with one ({SCALED_LANES} environments), and this library's vector environment with "
+        f"others ({COMPARED_LANES} environments):\n\n"
         f"{markdown_table((*columns, *(f'ratio to {peer}' for peer in PEERS)), ratios)}"
     )

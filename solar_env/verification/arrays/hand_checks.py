@@ -104,7 +104,7 @@ def _openings() -> Iterator[Check]:
 
 
 def _hold_downs() -> Iterator[Check]:
-    """Check latch times of panels released in turn, and of light yokes whose panel is held at 0.1 rad to the yoke."""
+    """Check latch times of panels released in turn, and of light yokes whose panel stays at 0.1 rad to the yoke."""
     times = _run(
         60.0, body_fixed=True, cable_stiffness=0.0, release_time=(3.0, 20.0), release_after=(0, 1), latch_gap=0.0,
         spring_preload_angle=(2.0, 3.5), latch_stiffness=1e5, latch_damping=1e3, latch_ramp_depth=1e-6,

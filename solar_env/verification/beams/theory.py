@@ -214,5 +214,5 @@ class FineBeam:
         return rigid * 0.5 * time**2 + self.flexibility[:, load] - ends @ (ends[load] * ringing)
 
     def left_out(self, kept: int) -> Array:
-        """Return the first end's flexibility (2,), to force and moment there, of all modes after the first `kept`."""
+        """Return (2,) deflection per force and slope per moment at the first end, by all modes but the first `kept`."""
         return np.sum((self.first_end[:, kept:] / self.frequencies[kept:]) ** 2, axis=1)

@@ -103,7 +103,7 @@ def restitution_curve() -> Iterator[Check]:
 
 
 def _one_impact(contact: PowerLaw, speed: float, integrator: Integrator) -> Trajectory:
-    """Simulate the impact of a block that starts in the middle of its gap; return 2000 samples per impact duration."""
+    """Return the motion of a block from mid-gap through its impact on a wall, with 2000 samples per impact duration."""
     duration = undamped_duration(contact, speed)
     mechanism = bouncing_block(_bearing(contact), MASS, speed)
     end = CLEARANCE / speed + 2.0 * duration

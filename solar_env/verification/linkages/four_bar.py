@@ -58,7 +58,10 @@ def _moment(arm: complex, force: complex) -> float:
 
 
 def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: float) -> float:
-    """Return the moment [N m] of a link's inertia force and couple about the point at -`arm` from its centroid."""
+    """Return the moment [N m], about the point at -`arm` [m] from a link's centroid, that the link's motion requires.
+
+    The `acceleration` is the centroid's minus gravity [m/s2], and `spin_rate` the angular acceleration [rad/s2].
+    """
     return link.inertia * spin_rate + _moment(arm, link.mass * acceleration)
 
 
@@ -163,10 +166,10 @@ def four_bar_cycle() -> Iterator[Check]:
 
 
 def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
-    """Compare the crank's work in each twentieth of the last turn with the work in the `ideal` linkage, without play.
+    """Compare the crank's work in each twentieth of the last turn with the work in a linkage without play.
 
-    Return the greatest error divided by the greatest work. Forces would differ more: they keep ringing in a contact
-    that is hardly damped.
+    `ideal` has this linkage's states at the times of `motion`. Return the greatest error divided by the greatest work.
+    Forces would differ more: they keep ringing in a contact that is hardly damped.
     """
     power = RATE * np.array([state.crank_moment for state in ideal])
     exact = cumulative_simpson(power, x=motion.time, initial=0.0)

@@ -27,7 +27,7 @@ _FREE = Spring(STIFFNESS, 1.0)
 
 
 def swing(duration: float, method: Integrator, spin: float = 0.0, **joint: Any) -> Trajectory:
-    """Simulate a hinged bar from angle 0 at an initial spin [rad/s]; `joint` holds further keywords of `Joint`."""
+    """Return the simulated motion of a hinged bar from angle 0 at rate `spin` [rad/s]; `joint`: keywords of `Joint`."""
     bar = Body("bar", MASS, MASS * LENGTH**2 / 12.0, LENGTH, (LENGTH / 2, 0.0), spin=spin)
     hinge = Joint("hinge", GROUND, "bar", (0.0, 0.0), (0.0, 0.0), **joint)
     return simulate(Mechanism((bar,), (hinge,)), duration, integrator=method, output_step=0.01)

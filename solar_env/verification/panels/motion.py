@@ -64,9 +64,7 @@ def step_responses() -> Iterator[Check]:
 def bent(load: float, moment: float) -> tuple[float, float, float]:
     """Bend a clamped panel; return largest slope in its frame [rad], and relative errors of tip deflection and angle.
 
-    Args:
-        load: tip load P L^2 / (E I), across the undeformed panel.
-        moment: tip moment M L / (E I).
+    `load` is P L^2 / (E I) for a tip load P across the undeformed panel, `moment` is M L / (E I) for a tip moment M.
     """
     # Critical damping brings the panel to rest within seconds.
     beam = replace(PANEL, damping=0.2)
@@ -136,7 +134,7 @@ def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque:
 
 
 def _rigid(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Integrate a hinged rigid panel by SciPy, torque held between `times` [s]; return its tip x + i y [m] then."""
+    """Return the tip x + i y [m] of a hinged rigid panel at `times` [s], by SciPy; `torque` is constant in between."""
     inertia, weight = beam.mass * beam.length**2 / 3.0, 0.5 * beam.mass * gravity * beam.length
     state, found, now = np.zeros(2), np.zeros(times.size, complex), 0.0
     for k, time in enumerate(times):

@@ -58,14 +58,14 @@ class Struck:
 
 
 def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: float) -> Struck:
-    """Solve the impact on a free bar along its axis, by elastic waves that the far end reflects as tension.
+    """Return contact force and exit speed of an axial impact on a free bar, whose far end reflects waves as tension.
 
     Under the contact force F the struck end has the speed F(t) / z + 2 sum_n F(t - n T) / z, T = 2 length / wave_speed
     (J. N. Goodier and S. P. Timoshenko, Theory of Elasticity, 3rd ed., 1970; K. F. Graff, Wave Motion in Elastic
     Solids, 1975). A rigid contact would give St. Venant's solution, F = z v0 exp(-z t / m) up to T.
 
     Args:
-        impact: impact of the mass m at the speed v0.
+        impact: mass m and speed v0 of the striker, and stiffness of the contact.
         length: length of the bar [m].
         impedance: z = sqrt(E A rho A) [kg/s].
         wave_speed: sqrt(E / rho) [m/s].
@@ -109,12 +109,12 @@ def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: floa
 
 
 def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> Struck:
-    """Solve a transverse impact on a free beam's first end, by modes with exact responses to piecewise linear forces.
+    """Return force and exit speed of an impact across a free beam's first end, by modes under piecewise linear forces.
 
     The force at the end of every step solves one scalar equation. The error falls with the square of the step.
 
     Args:
-        impact: impact of the mass.
+        impact: mass and speed of the striker, and stiffness of the contact.
         beam: the beam, undamped.
         duration: simulated time [s]; the contact must have ended by then.
         steps: number of steps.
@@ -154,7 +154,10 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
 
 
 def _strike(impact: Impact, direction: complex, modes: int, duration: float) -> tuple[float, float, float, float]:
-    """Simulate impact along (1) or across (1j); return peak [N], impulse [N s], exit speed [m/s] and contact count."""
+    """Simulate a mass that strikes a panel's end along the panel's axis (`direction` 1) or across the axis (1j).
+
+    Return peak force [N], impulse [N s], exit speed of the mass along `direction` [m/s], and number of contacts.
+    """
     place, velocity = CLEARANCE * direction, impact.speed * direction
     origin, motion = (place.real, place.imag), (velocity.real, velocity.imag)
     striker = Body("striker", impact.mass, 1.0, 1.0, (0.0, 0.0), position=origin, velocity=motion)

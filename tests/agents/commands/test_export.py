@@ -62,4 +62,4 @@ print(said.getvalue())
 """
     told = run_python(program, str(tmp_path / "no-run")).split("\n", 1)
     assert told[0] == "2"
-    assert told[1].strip() == "error: exporting needs ONNX: pip install 'solar-env[onnx]'"
+    assert told[1].strip() == "error: exporting needs ONNX: pip install -e '.[onnx]'"

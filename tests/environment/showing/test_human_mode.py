@@ -67,7 +67,7 @@ def test_a_copy_goes_on_in_the_window_and_gymnasium_finds_no_fault():
 
 def test_without_pygame_the_mode_is_refused_with_what_to_install(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'solar-env\[play\]'"):
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install -e '\.\[play\]'"):
         gymnasium.make(DEPLOY_V1, render_mode="human")
 
 

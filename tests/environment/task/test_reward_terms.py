@@ -175,3 +175,7 @@ def test_a_reward_that_is_none_is_refused_by_name():
     ):
         with pytest.raises(ValueError, match=words):
             solar_env.SolarArrayEnv(reward=reward)
+    env = solar_env.SolarArrayEnv(reward=lambda before, after: after["wears"])
+    env.reset(seed=0)
+    with pytest.raises(KeyError, match=r"quantity 'wears' is unknown; did you mean 'wear'"):
+        env.step(env.action_space.sample())

@@ -22,7 +22,7 @@ from solar_env.studies.loads import ensemble
 from solar_env.studies.loads.hub import hub_place, hub_velocity, mean_loads, sampled_hinge_loads
 from solar_env.studies.loads.page import loads_page
 from solar_env.studies.loads.quantities import JOINT_QUANTITIES, QUANTITIES, read_all
-from solar_env.studies.loads.report import answer, tables
+from solar_env.studies.loads.report import answer, tables, what_changes
 from solar_env.studies.loads.runs import FREQUENCIES, deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, counted, figure_of, high_quantile, rounded, shortened
 
@@ -82,10 +82,10 @@ def test_the_page_has_a_folded_table_of_every_parameter_with_its_unit(loads, fas
     assert table.folded
     rows = {name: rest for name, *rest in table.rows}
     assert list(rows) == list(FAST_PARAMETERS.to_dict())
-    assert rows["clearance"] == ["0.0002", "m", "(0.00019, 0.00019) and (0.00021, 0.00021)"]
-    assert rows["panel_count"] == ["2", "", ""]
+    assert rows["clearance"] == ["0.0002", "m", "yes", "(0.00019, 0.00019) and (0.00021, 0.00021)"]
+    assert rows["panel_count"] == ["2", "", "yes", ""]
     assert rows["latch_stiffness"][1] == "N m/rad^exponent"
-    assert rows["body_fixed"] == ["no", "", ""]
+    assert rows["body_fixed"] == ["no", "", "yes", ""]
     assert rows["cable_torque_ratio"][0] == "from others"
 
 
@@ -186,19 +186,19 @@ def loads():
     cells = [shared | {"member": k} | changes for k in range(1, 5) for changes in asked]
     results = [ensemble.run_member(cell) for cell in cells]
     assert json.loads(json.dumps(results)) == results
-    return ensemble.gathered(plan, results, {})
+    return ensemble.gathered(plan, results)
 
 
 def test_a_few_lines_answer_and_tables_hold_every_quantity(loads):
     lines = answer(loads)
-    assert len(lines) == 7
+    assert len(lines) == 6
     assert lines[0].startswith("The latch of joint ")
     assert "is bent hardest, by" in lines[0]
-    assert "Level: rigid-clearance; the discretisation error of a figure" in lines[6]
-    assert "4 runs of each level" in lines[6]
-    assert "clearance" in lines[6]
-    assert lines[5] == (
-        "What changes the figures is not known: 2 parameters are drawn, whose effects take 5 runs and more (--runs)."
+    assert "Level: rigid-clearance; the discretisation error of a figure" in lines[5]
+    assert "4 runs of each level" in lines[5]
+    assert "clearance" in lines[5]
+    assert what_changes(loads) == (
+        "What changes the figures is not known: 2 parameters are drawn, which takes 5 runs or more (--runs)."
     )
     names = [row[0] for table in tables(loads)[:2] for row in table.rows]
     of_forms = [f"peak pin force, as of {contact} (model form)" for contact in loads.plan.forms]
@@ -238,7 +238,7 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
     assert "discretisation error +3 \u00b1 2 fm; which is negligible: 33,000,000 deployments to 1 micrometre," in wear
     assert "the discretisation error of a figure is its difference from the finest level" in basis
     undrawn = replace(loads.plan, array=ParameterFile(loads.plan.array.parameters, {}))
-    assert "intervals come from the release's assumed scatter" in answer(replace(loads, plan=undrawn))[-1]
+    assert "an assumed scatter of the release alone" in answer(replace(loads, plan=undrawn))[0]
     nan = math.nan
     alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, 1),)
     line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}, forms={}))[1]
@@ -274,15 +274,15 @@ def test_a_member_that_fails_is_named_with_its_parameters_and_left_out(monkeypat
     unlike = {name: [1.0, 2.0] if name in JOINT_QUANTITIES else [1.0] for name in QUANTITIES}
     run = {"latched": True, "quantities": unlike, "hinge_spectrum": [], "hub_spectrum": [], "warnings": []}
     plan = ensemble.LoadsPlan(FAST, RIGID.model, members=6)
-    loads = ensemble.gathered(plan, [failed, *[run] * 23], {})
+    loads = ensemble.gathered(plan, [failed, *[run] * 23])
     assert loads.figures["peak_force"][0].runs == 5
     assert f"1 of 24 runs failed and are left out ({name}: at t = 1 s" in answer(loads)[-1]
     with pytest.raises(ValueError, match="3 of 24 runs failed, more than the 10%"):
-        ensemble.gathered(plan, [failed, *[run] * 21, *({"failed": {name: "too"}} for name in "ab")], {})
+        ensemble.gathered(plan, [failed, *[run] * 21, *({"failed": {name: "too"}} for name in "ab")])
 
 
 def test_an_ensemble_that_never_latches_says_what_to_do():
     plan = ensemble.LoadsPlan(FAST, RIGID.model, members=1, deadline=0.3)
     run = {"latched": False, "quantities": {}, "hinge_spectrum": [], "hub_spectrum": [], "warnings": []}
     with pytest.raises(ValueError, match=r"in none of 1 runs all joints latch within 0\.3 s; give a longer --deadline"):
-        ensemble.gathered(plan, [run] * 4, {})
+        ensemble.gathered(plan, [run] * 4)

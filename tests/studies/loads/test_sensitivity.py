@@ -9,7 +9,7 @@ from solar_env.array import ArrayParameters
 from solar_env.array.parameters.ranges import drawn
 from solar_env.studies.loads import ensemble
 from solar_env.studies.loads.page import loads_page
-from solar_env.studies.loads.report import answer, tables
+from solar_env.studies.loads.report import tables, what_changes
 from solar_env.studies.loads.runs import deploy
 from solar_env.studies.loads.sensitivity import one_at_a_time, regression, shifts
 
@@ -42,7 +42,7 @@ def test_a_figure_of_one_parameter_alone_is_explained_and_a_constant_one_is_not(
     assert (alone.ranking, alone.explained) == (["body_mass"], pytest.approx(1.0))
     assert constant.ranking == []
     few = regression(RANGES, members[:5], {"impulse": mass[:5]})
-    assert (few.effects, few.missing) == ({}, "3 parameters are drawn, whose effects take 6 runs and more")
+    assert (few.effects, few.missing) == ({}, "3 parameters are drawn, which takes 6 runs or more (--runs)")
 
 
 def test_shifts_are_of_every_parameter_that_changes_the_model():
@@ -70,6 +70,8 @@ def test_one_at_a_time_changes_are_relative_and_scatter_is_no_change():
     assert np.isnan([first.low["clearance"], first.high["clearance"]]).all()
     assert first.ranking == ["body_mass"]
     assert first.noise == pytest.approx(1.96 * 0.1 * np.sqrt(2.0) / 2.0 * np.sqrt(2.0), rel=1e-3)
+    assert not first.one_sided("body_mass")
+    assert replace(first, low={"body_mass": 0.5}).one_sided("body_mass"), "both changes raise it"
     assert second.ranking == [], "a change of 2.5 % is below the scatter of 35 %"
 
 
@@ -82,11 +84,13 @@ def test_the_latch_torque_of_an_undrawn_array_rises_as_the_root_of_the_springs_e
     console = ensemble.Console(quiet=True)
     plan_level = replace(plan.levels[0])
     loads = ensemble.measure_loads(plan, tmp_path, 2, console)
+    assert what_changes(loads) == "What changes the figures is not known: no parameter has been shifted."
+    loads = ensemble.measure_sensitivity(loads, tmp_path, 2, console)
     (found,) = loads.sensitivity.effects["latch_torque"]
     for name in ("spring_stiffness", "latch_stiffness"):
         assert found.high[name] == pytest.approx(np.sqrt(1.1) - 1.0, abs=4e-3)
     assert found.ranking[0] == "spring_preload_angle", "the energy rises with its square"
-    assert "10 % less, 10 % more" in answer(loads)[-2]
+    assert "10 % less, 10 % more" in what_changes(loads)
     assert tables(loads)[-1].title.startswith("What changes a figure: one parameter 10 % less")
     page = loads_page(loads, deploy(plan_level, parameters, 0, 0.5, 60.0), [])
     assert any(chart.bars and chart.bars[0] == "spring_preload_angle" for chart in page.charts)

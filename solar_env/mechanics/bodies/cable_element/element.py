@@ -87,7 +87,10 @@ class CableElements(BodyKind[FlexibleBody]):
         return force
 
     def error_weight(self, body: FlexibleBody) -> Array:
-        """Return error-norm weights (n,), which convert coordinates to translations of equal inertia; positions: 1."""
+        """Return error-norm factors (n,) that scale coordinates to translations: 1 for positions, a length for slopes.
+
+        A slope times its length [m] has the same diagonal entry in the element's mass matrix as a position.
+        """
         slope = math.sqrt(4.0 / 156.0) * body.length / body.elements
         return np.tile([1.0, 1.0, slope, slope], body.elements + 1)
 

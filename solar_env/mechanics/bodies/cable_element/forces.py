@@ -16,10 +16,11 @@ TABLE_ROWS = 19
 
 @kernel
 def add_axial_point(point, x, axial, damping, f):
-    """Return `f`, an element's forces and damping power, plus the axial contribution of one quadrature point.
+    """Return `f` plus the axial contribution of one quadrature point of an element of length L.
 
-    `point`: a row of `AXIAL`, with weights of chord and end slopes in r' and the quadrature weight. `x`: chord and end
-    slopes, then their rates. `axial`: E A L. `damping`: retardation time [s].
+    `f`: generalized forces of chord and end slopes (x and y of each), damping power. `x`: chord and end slopes (x and y
+    of each), then their rates. `point`: a row of `AXIAL`; chord and slopes times its first three entries sum to r' =
+    dr/ds, and the last entry is the quadrature weight. `axial`: E A L [N m]. `damping`: retardation time [s].
     """
     d, a, b, _, _, _, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
@@ -39,7 +40,7 @@ def add_axial_point(point, x, axial, damping, f):
 
 @kernel
 def add_bending_point(point, x, bending, damping, f):
-    """Return `f` plus a quadrature point's bending contribution; `bending` is E I / L; see `add_axial_point`."""
+    """Return `f` plus a quadrature point's bending contribution; `bending` is E I / L [N m]; see `add_axial_point`."""
     d, a, b, e, g, h, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
     f0, f1, f2, f3, f4, f5, power = f

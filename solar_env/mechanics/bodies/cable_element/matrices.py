@@ -15,7 +15,11 @@ _REPRESENTATIVE_ELEMENTS = 12
 
 
 def _quadrature(points: int) -> tuple[tuple[float, ...], ...]:
-    """Return a row per Gauss point of [0, 1]: weights of chord and slopes in r', then in L r''; quadrature weight."""
+    """Return a row of seven numbers for each Gauss point on the unit interval of an element of length L.
+
+    An element's chord and end slopes, times the first three numbers, sum to the centreline's tangent r' = dr/ds; times
+    the next three they sum to L r''. The last number is the quadrature weight.
+    """
     nodes, weights = np.polynomial.legendre.leggauss(points)
     rows = []
     for s, w in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):

@@ -24,7 +24,7 @@ _POINTS = len(AXIAL) + 4 * len(BENDING)
 
 
 class ElementSlopes(NamedTuple):
-    """Work arrays of `add_elastic_tangents`: rows in turn, each with one entry for each of COLUMNS elements."""
+    """Work arrays of `add_elastic_tangents`: tables stored row by row, with a column for each of COLUMNS elements."""
 
     motion: NDArray[np.float64]  # 12 rows: chord and slopes, then their rates
     local_stiffness: NDArray[np.float64]  # 4 rows for each of the _POINTS blocks
@@ -45,7 +45,11 @@ def make_element_slopes() -> ElementSlopes:
 
 
 def _expansion() -> NDArray[np.float64]:
-    """Return weights (9, _POINTS) of local derivatives that `_expand` sums; rows: pairs of chord, slopes a and b."""
+    """Return the weights (9, _POINTS) by which `_expand` sums the derivatives of an element's forces.
+
+    Row 3 i + j is for the derivative of force i by vector j: 0 is the chord, 1 and 2 are the end slopes. Columns are
+    for the 2 x 2 blocks of derivatives by r' and L r'' at the quadrature points.
+    """
     rows = []
     for i in range(3):
         for j in range(3):
@@ -62,7 +66,11 @@ _EXPANSION = _expansion()
 
 @kernel
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Compute axial-force derivatives at a quadrature `point`: d/dr' in `stiffness`, d/d(rate of r') in `viscosity`."""
+    """Compute derivatives of the axial force at a quadrature `point`, a row of `AXIAL`, for `lanes` beam elements.
+
+    `stiffness` gets derivatives by the centreline's slope r', `viscosity` by the rate of r': a 2 x 2 matrix in four
+    rows of elements. `table`: chord, end slopes and their rates. `constants`: E A L, E I / L, retardation time [s].
+    """
     d, a, b, _, _, _, w = point
     for i in range(lanes):
         rx = d * table[i] + a * table[2 * COLUMNS + i] + b * table[4 * COLUMNS + i]
@@ -91,7 +99,10 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Compute bending-force derivatives at `point`: d/dr', d/d(L r'') in `stiffness`, d/d(rates) in `viscosity`."""
+    """Compute derivatives of the bending force at `point`, a row of `BENDING`; see `_axial_slopes` for the arguments.
+
+    Sixteen rows are written: 2 x 2 derivatives of the force on r' by r' and by L r'', then of the force on L r''.
+    """
     d, a, b, e, g, h, w = point
     for i in range(lanes):
         dx, dy, ax, ay = table[i], table[COLUMNS + i], table[2 * COLUMNS + i], table[3 * COLUMNS + i]
@@ -156,7 +167,10 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _expand(lanes, local, found):
-    """Write force derivatives with respect to chord and slopes to `found`, summed from `local` at quadrature points."""
+    """Write `lanes` elements' force derivatives by chord and end slopes to `found`, summed over quadrature points.
+
+    `local` holds the derivatives by r' and L r''. These two vectors are weighted sums of chord and end slopes.
+    """
     for pair in range(9):
         weights = _EXPANSION[pair]
         for entry in range(4):

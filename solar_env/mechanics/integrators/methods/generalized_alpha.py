@@ -361,7 +361,7 @@ def sample_alpha(model, state, settings, arrays, recorder, h, share):
 
 @kernel
 def commit_alpha(model, state, settings, arrays, h, share):
-    """Copy the solution at the end of the step to `state`, and update the state's integrals; return True."""
+    """Move `state` to the end of the solved step `h` [s]; return True. Its accepted fraction, `share`, is always 1."""
     it = arrays.iteration
     for k in range(state.integrals.size):
         state.integrals[k] += 0.5 * h * (it.power[k] + arrays.work.power[k])

@@ -151,7 +151,7 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
 def adapt_rosenbrock(model, state, settings, arrays, accepted):
     """Update, in `state.clock`, the number of explicit steps before the next try of a linearly implicit step.
 
-    After an `accepted` step that only the stability limit has bounded, keep the step size that accuracy alone allows.
+    After an `accepted` step that only the stability limit has shortened, also store the step size that accuracy allows.
     """
     clock, trial = state.clock[0], arrays.trial[0]
     if accepted and settings.implicit:

@@ -109,9 +109,9 @@ def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
 def add_length_slopes(model, state, a, newton, diagonal):
     """Add derivatives of length constraints g = d.d'' + d'.d' = 0 with respect to coordinates and velocities.
 
-    The vector d joins the two base points whose coordinates describe a rigid body. `newton.matrix` gets (gamma h)^2
-    times the derivative d'' of g by d, plus gamma h times its derivative 2 d' by d'. `a` (n,) are the accelerations at
-    the start of the step, and `diagonal` is gamma h.
+    The vector d joins the two base points whose coordinates describe a rigid body. The constraints' rows of
+    `newton.matrix` get (gamma h)^2 dg/dd + gamma h dg/d(d'), where dg/dd = d'' and dg/d(d') = 2 d'. `a` (n,) are the
+    accelerations at the start of the step, and `diagonal` is gamma h.
     """
     q, v, elimination = state.q, state.v, model.elimination
     first = q.size + model.constraints.size.size
@@ -193,8 +193,9 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
 
 @kernel
 def border_length(state, start_a, step, k, row, position, diagonal):
-    """Add a length constraint, and its multiplier's nonlinear force, to a stage's right-hand side `step.unknowns`.
+    """Add a rigid body's length constraint to a stage's right-hand side `step.unknowns`: its equation and its force.
 
+    The force is the part due to the gradient's change since the step's start; Newton's matrix has the other part.
     `start_a` (n,): accelerations at the step's start. `k`: index of the body's first coordinate. `row`: index of the
     constraint's multiplier. `position`: places of the unknowns in the elimination order. `diagonal`: gamma h.
     """

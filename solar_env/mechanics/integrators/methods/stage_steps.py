@@ -54,11 +54,9 @@ def take_loads(loads, motion):
 
 @kernel(inlined=False)
 def begin_stages(model, state, settings, arrays):
-    """Prepare arrays for a call of `advance`, keeping valid accelerations; return False if constraints are singular.
-
-    The stage arrays are set to zero: stages not computed yet enter with weight zero, but zero times NaN would be NaN.
-    """
+    """Prepare arrays for a call of `advance`, keeping valid accelerations; return False if constraints are singular."""
     work, stages, clock = arrays.work, arrays.stages, state.clock[0]
+    # Stages that are not computed yet enter with weight zero, but zero times NaN would be NaN.
     for array in (stages.velocity, stages.acceleration, stages.power):
         for s in range(array.shape[0]):
             for i in range(array.shape[1]):
@@ -115,7 +113,7 @@ def sample_stages(model, state, settings, arrays, recorder, h, share):
 
 @kernel(inlined=False)
 def refine_peak(model, state, stages, j, h, share):
-    """Raise the force maxima of joint `j` to the peak inside the step, from samples and a parabola through the top."""
+    """Raise joint `j`'s force maxima to the peak of its contact force in the fraction `share` of a step `h` [s]."""
     joint, joint_state, markers = model.joints[j], state.joints[j], model.markers
     peak, before, here = 0.0, 0.0, 0.0
     for k in range(_PEAK_SAMPLES + 1):
@@ -131,11 +129,11 @@ def refine_peak(model, state, stages, j, h, share):
 
 @kernel
 def refine_peaks(model, state, arrays, h, share):
-    """Find force peaks inside the step, in contacts whose penetration has turned from growing to falling.
+    """Raise the joints' force maxima to the force peaks in the accepted fraction `share` of a step `h` [s].
 
-    Lasting contacts are left out in steps that are linearly implicit or corrected for stiff contacts. Such a step's
-    interpolant has false depths, see `rosenbrock_step.take_contacts_from_ends` and
-    `stages.interpolate_without_accelerations`, and forces up to a thousand times the real forces.
+    A contact has a peak if its penetration has turned from growing to falling. Lasting contacts are left out in steps
+    that are linearly implicit or corrected for stiff contacts: their interpolants have false depths (see
+    `rosenbrock_step.take_contacts_from_ends`) and forces up to a thousand times the real forces.
     """
     coarse, stages = arrays.trial[0].implicit or arrays.trial[0].stiff_contacts, arrays.stages
     for j in range(model.joints.size):

@@ -66,7 +66,7 @@ def set_impact_speeds(joint_states, impact_speeds):
 
 @kernel(inlined=False)
 def refresh(model, state, stages, work):
-    """Write the accepted state's accelerations and powers to `stages`, `state`; False if constraints are singular."""
+    """Write the state's accelerations and powers to `state` and row 0 of `stages`; False for singular constraints."""
     set_impact_speeds(state.joints, work.impact_speeds)
     clock = state.clock[0]
     regular = accelerations(

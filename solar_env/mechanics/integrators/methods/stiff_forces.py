@@ -2,11 +2,11 @@
 
 The end slope of a beam element has next to no inertia, so that a latch's damper slows it within microseconds; a journal
 that rests in its bearing could vibrate on the contact's stiffness within milliseconds. Explicit steps would have to
-resolve these times even if nothing moves. However, the stiff part A of the Jacobian is known. Let g be the gradient of
-the stop's angle or of the contact's depth, w the accelerations due to a unit force with its friction, k the stiffness
-and c the damping. Applied to rates u of coordinates and a of velocities, A gives - w (k g.u + c g.a) as rate of
-accelerations. For contacts it also gives the part of a along g as rate of velocities. A W-method (T. Steihaug and A.
-Wolfbrandt, Math. Comput. 33 (1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
+resolve these times even if nothing moves. However, the stiff part A of the Jacobian of y' = f(y), y = (q, v), is known.
+Let g be the gradient of the stop's angle or of the contact's depth, w the accelerations due to a unit force with its
+friction, k the stiffness and c the damping. A turns a change (dq, dv) of y into the change -w (k g.dq + c g.dv) of v'
+and, for contacts, the part of dv along g as the change of q'. A W-method (T. Steihaug and A. Wolfbrandt,
+Math. Comput. 33 (1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
 
 k_i = f(y + h sum_j alpha_ij k_j) + h A sum_j gamma_ij k_j + h gamma_i r,
 
@@ -176,7 +176,10 @@ def separate_motions(stiff, count):
 
 @kernel
 def measure_rest(model, state, work, stiff, count, start, h):
-    """Compute d(acceleration)/dt without stiff forces by difference in `stiff.rest`; False for singular constraints."""
+    """Compute in `stiff.rest` (n,) the rate of change of the accelerations that is not due to the `count` stiff forces.
+
+    It is a finite difference from accelerations `start` (n,) in a step `h` [s]. Return False for singular constraints.
+    """
     q, v, time = state.q, state.v, state.clock[0].time
     delta = _PROBE * h
     q1, v1, rest = stiff.probe_q, stiff.probe_v, stiff.rest
@@ -198,14 +201,9 @@ def measure_rest(model, state, work, stiff, count, start, h):
 
 @kernel
 def begin_step(model, state, work, stiff, start, h):
-    """Prepare the correction for forces that are stiff over a step `h`; return the number of these forces.
+    """Prepare the correction for forces that are stiff over a step `h` [s] in `stiff`; return these forces' number.
 
-    Args:
-        model, state: arrays of the mechanism at the start of the step.
-        work: workspace, changed.
-        stiff: a `runge_kutta.StiffForces`; written.
-        start: (n,) accelerations at the start of the step.
-        h: step [s].
+    `state` is the state at the start of the step, and `start` (n,) are the accelerations there; `work` is scratch.
     """
     count, contacts = collect(model, state, work, stiff, h)
     if count == 0:

@@ -2,6 +2,6 @@
 
 Packages, from the top down: `commands` (of `solar-env`), `comparison` (evaluation), `policies` (trained policies as
 data), `learning` (training, run folders), `laws` (controllers without learning). `configs` holds tuned parameters and
-hyperparameters. All packages use the modules beside them. Imports run one way, from the commands down to
-`environments`; pyproject.toml defines the layers. The simulator (`solar_env`) never imports this package.
+hyperparameters. The packages share modules beside them, such as `environments` (keywords, seeds). Imports run one way,
+from the top down; pyproject.toml defines the layers. The simulator (`solar_env`) never imports this package.
 """

@@ -36,11 +36,11 @@ EPISODES_PER_SEED = 10_000
 
 
 def with_sampling(env_kwargs: Mapping[str, object], env_id: str = DEFAULT_ENV_ID) -> Keywords:
-    """Return `env_kwargs` with random release rates of the joints, unless `env_kwargs` or the scenario gives ranges.
+    """Return `env_kwargs` with random release rates of joints, unless `env_kwargs` or the scenario give random ranges.
 
     Raises:
         ValueError: The environment refuses a keyword. `env_kwargs` contains `max_episode_steps`, which would cut
-            episodes off before the landing. `env_kwargs` contains `scenario`; choose the scenario by the environment
+            episodes off before joints latch. `env_kwargs` contains `scenario`; choose the scenario by the environment
             id, because tuned parameters are looked up by id.
     """
     if "scenario" in env_kwargs:

@@ -33,9 +33,9 @@ class Signals:
     Attributes:
         names: Name of every entry of an observation, as `env.unwrapped.observation_names`.
         torque_limit: Motor torque of a unit action [N m].
-        deadline: Unit of the observed time [s].
+        deadline: Time by which all joints should latch [s], the unit of observed times to it and since release.
         control_period: Time for which an action is held [s].
-        settling_window: Unit of the observed time since the last latch [s].
+        settling_window: Duration of an episode after the last latch [s], the unit of the observed time since then.
         driven_joint: Index of the joint that the motor drives; 0 is the root hinge.
         action: Meaning of an action, see `solar_env.environment.task.task.Task`.
         lock_angles: Angle at which each joint latches [rad].
@@ -52,7 +52,7 @@ class Signals:
 
     @classmethod
     def of(cls, env: gymnasium.Env | EnvironmentSettings) -> Self:
-        """Return the signals of an environment of this project, given the environment or its settings."""
+        """Return the `Signals` (names, units) of an environment of this project, given itself or its settings."""
         unwrapped: Any = env.unwrapped if isinstance(env, gymnasium.Env) else env
         _, *of_task, _ = (item.name for item in fields(cls))
         array = unwrapped.parameters if isinstance(env, gymnasium.Env) else unwrapped.array
@@ -138,7 +138,10 @@ class TorqueLaw(DeterministicController):
 
     @abstractmethod
     def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
-        """Return the torque (n,) [N m] from named entries (n,); `all_latched` (n,) is true once all joints latched."""
+        """Return the torques (n,) [N m] for n observations, given as arrays (n,) by name (`entries`).
+
+        `all_latched` (n,) is true where all joints have latched.
+        """
 
     def act(self, observation: np.ndarray) -> np.ndarray:
         """Map observations (n_obs,) or (n, n_obs) to actions (motors,) or (n, motors), clipped to [-1, 1]."""
@@ -196,7 +199,7 @@ P = TypeVar("P", bound=LawParameters)
 
 
 class TunableLaw(TorqueLaw, Generic[P]):
-    """A torque law with parameters to tune, by default its untuned `defaults`; errors are as in `TorqueLaw`."""
+    """A torque law with tunable parameters, by default `defaults`; it raises a ValueError where `TorqueLaw` does."""
 
     defaults: P
 
@@ -214,7 +217,8 @@ def weighted_opening(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the weighted opening of both joints in units of lock angles, its rate, and the joints' rate difference.
 
-    All are (n,), the rates in 1/s. Joint 1 has weight 1 - `joint_2_weight`. The difference is joint 1 minus joint 2.
+    All are (n,), the rates in 1/s; `entries` are the values (n,) of n observations by name. Joint 1 has weight
+    1 - `joint_2_weight`. The difference is joint 1 minus joint 2.
     """
     rate_1, rate_2 = (entries[f"rate_{i + 1}"] / lock_angles[i] for i in range(2))
     opening = entries["theta_1"] + joint_2_weight * (entries["theta_2"] - entries["theta_1"])

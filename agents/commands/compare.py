@@ -17,9 +17,9 @@ from solar_env.support.progress import print_markdown
 class Args(ArrayOption, ModelOptions, WorkerOptions, CommandRecord):
     """Compare a controlled drive with a passive damper, on your array.
 
-    The damping of the hinges and the drive's laws are tuned on the array, by the environment's return; a shipped policy
-    takes part where it fits. The model is rigid-clearance unless another is named. The drive's torque limit is the
-    environment's default, unless you change it, as in --env-kwargs torque_limit=0.3.
+    The damping of the hinges and the drive's laws are tuned on the array, by the environment's return. A shipped policy
+    takes part if it was trained for the same number of joints, lock angles and task. The model is rigid-clearance if no
+    other is named. The drive's default torque limit can be changed, as in --env-kwargs torque_limit=0.3.
     """
 
     points: int = 100
@@ -33,7 +33,7 @@ class Args(ArrayOption, ModelOptions, WorkerOptions, CommandRecord):
 
 
 def run_command(args: Args) -> int:
-    """Tune the damper and the laws, compare them, and write and print the comparison; see `Args`."""
+    """Tune a passive damper and torque laws for the drive, compare them, and write and print the comparison."""
     if args.points < 6:
         raise ValueError(f"points = {args.points} must be at least 6, a generation of the search")
     array = args.parameter_file

@@ -83,7 +83,7 @@ def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
 
 
 def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
-    """Make a page of `episodes` and their results (`figures`) by the controllers' names; a note states `command`."""
+    """Return a page's HTML content: `episodes`, their results (`figures`) by controller, and a note with `command`."""
     landed = [name for name in episodes if figures[name]["latched"]]
     softest = min(landed, key=lambda name: figures[name]["peak_postlock_force_N"], default=None)
     lands = "none lands"
@@ -112,7 +112,10 @@ def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures],
 
 
 def filmed(name: str, trajectory: Trajectory, longest: float, width: int, speed: float) -> list[Image.Image]:
-    """Draw frames of `width` pixels, captioned `name`, at `speed` times real time; time axes end at `longest` [s]."""
+    """Return the images of a film, `width` pixels wide and captioned `name`, that plays at `speed` times real time.
+
+    The time axes in the images end at `longest` [s].
+    """
     scenes = scenes_of(trajectory, speed / FRAMES_PER_SECOND)
     renderer = Renderer(scenes[0], longest)
     return [captioned(renderer.draw(scene), name, width) for scene in scenes]

@@ -23,9 +23,9 @@ TIMESTEPS = 100_000
 
 @dataclass
 class Args(ModelOptions, WorkerOptions, CommandRecord):
-    """Train a controller, and compare it with laws.
+    """Train a controller, and compare it with torque laws.
 
-    The algorithms are Stable-Baselines3's, with their defaults, and a search over weights.
+    Algorithms of Stable-Baselines3 have their default settings; cma-es searches for the weights of a policy.
     """
 
     algo: str = "ppo"
@@ -80,7 +80,7 @@ def run_command(args: Args) -> int:
 
 
 def configuration(args: Args) -> runs.Configuration:
-    """Make the run's configuration; a rollout of PPO has 2048 steps over all environments, or all steps if fewer."""
+    """Make the run's configuration; PPO rollouts have 2048 steps, at most `timesteps`, of all environments together."""
     if args.algo not in ALGORITHMS:
         raise ValueError(f"no algorithm {args.algo!r}; available: {', '.join(ALGORITHMS)}")
     timesteps = TIMESTEPS if args.timesteps is None else args.timesteps

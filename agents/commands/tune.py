@@ -26,9 +26,9 @@ from solar_env.support.files import check_target
 
 @dataclass
 class Args(ModelOptions, WorkerOptions, CommandRecord):
-    """Tune a law by CMA-ES, and write its parameters to agents/configs.
+    """Tune a torque law by CMA-ES; write parameters to agents/configs.
 
-    Parameters are kept by model. The model is rigid-clearance unless another is named.
+    Every model level has its own parameters there. The model is rigid-clearance unless another is named.
     """
 
     controller: Annotated[str, tyro.conf.arg(help=f"law to tune: {', '.join(TUNABLE)}")] = "servo"

@@ -97,9 +97,10 @@ class NamedController:
 
 
 def parse_controller(text: str) -> NamedController:
-    """Parse `NAME=SPEC`, or SPEC alone; the name is then the law's, the policy's, or the last component of the folder.
+    """Return the controller for `NAME=SPEC` or SPEC; SPEC is a law, a shipped policy, a run folder or a model.zip.
 
-    The path of an existing folder is always a SPEC alone, even if it contains "=".
+    The default NAME is the law's or policy's name, the last component of the folder's path, or all of
+    "receding-horizon:SPEC". The path of an existing folder is always a SPEC alone, even if it contains "=".
 
     Raises:
         ValueError: SPEC is "receding-horizon" alone, or a search ("receding-horizon:SPEC") around another search.
@@ -117,10 +118,10 @@ def parse_controller(text: str) -> NamedController:
 
 
 def parse_controllers(texts: Sequence[str]) -> list[NamedController]:
-    """Parse the controllers to compare, see `parse_controller`; several runs may have one name, given by NAME=.
+    """Return the controllers for texts `NAME=SPEC` or SPEC; trained policies that share a NAME count as one controller.
 
     Raises:
-        ValueError: A controller is given twice, or different controllers share a name that was not given to them.
+        ValueError: A controller is given twice, or two share a name, other than trained policies with NAME= for both.
     """
     named = [parse_controller(text) for text in texts]
     pairs = [(controller.name, controller.resolved) for controller in named]

@@ -85,10 +85,10 @@ def evaluate(
 
 
 def without_failed(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows of the episodes whose simulation fails under no controller, and warn of the others.
+    """Return the rows of the episodes whose simulation succeeds under every controller, and warn of the others.
 
     Raises:
-        ValueError: More than a tenth of the episodes failed.
+        ValueError: More than a tenth of the simulations failed.
     """
     failed = [row for row in rows if "failure" in row]
     names = {f"{row['controller']}, episode {row['episode']}, seed {row['seed']}": row["failure"] for row in failed}
@@ -132,7 +132,7 @@ def run_cell(cell: Cell) -> Row:
 
 @lru_cache(maxsize=4)
 def _prepared(text: str) -> tuple[gymnasium.Env, Controller]:
-    """Make environment and controller from JSON text of `episode_cell` without seed, and cache both for later calls."""
+    """Make and cache environment and controller of an episode, given `episode_cell`'s dictionary as JSON, seed null."""
     cell = json.loads(text)
     env = _environment(cell["env_id"], json.dumps(cell["env_kwargs"]))
     if "parameters" in cell:
@@ -146,7 +146,10 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
 
 
 def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) -> list[Row]:
-    """Run the episodes of `cells` on `workers` processes, equal ones once; return `run_cell` results in their order."""
+    """Run the episode that each cell, a dictionary of `episode_cell`, describes, on `workers` processes.
+
+    Equal cells are run once. Return the results of `run_cell` in the order of `cells`.
+    """
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different, done = dict(zip(keys, cells, strict=True)), dict[str, Row]()
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:

@@ -17,7 +17,7 @@ from solar_env.support.minimisation import minimise
 class LawSearch:
     """Search for a torque law's parameters: a budget of `points` candidates, each judged by `episodes` episodes.
 
-    Every generation has new training episodes. Validation episodes compare the candidates that are left at the end.
+    Every generation has new training episodes. Validation episodes compare start, best candidate and final mean.
     """
 
     law: str

@@ -38,7 +38,7 @@ class Contest:
     progress: bool
 
     def damped(self, damping: float) -> Keywords:
-        """Return the environment keywords for laws, with a damper of `damping` [N m s/rad] in every hinge."""
+        """Return environment keywords with `damping` [N m s/rad] in all hinges, and with torque laws' observations."""
         return {**self.env_kwargs, **OF_LAWS, "parameters": {**self.env_kwargs["parameters"], "hinge_damping": damping}}
 
     def cells(self, spec: str, env_kwargs: Mapping[str, object], seeds: Sequence[int], **more: object) -> list[Cell]:
@@ -70,9 +70,10 @@ class Contest:
         return asdict(candidates[int(np.argmax(validated))])
 
     def rows(self, laws: Sequence[str], episodes: int) -> tuple[list[Row], Keywords]:
-        """Tune the damper and the laws, and run all contestants on the same evaluation episodes.
+        """Tune damper and laws; run them, the springs alone and a shipped policy on the same evaluation episodes.
 
-        Return rows for `agents.comparison.report`, and findings: damping, parameters, and controllers that do not fit.
+        Return rows for `agents.comparison.report`, and findings: the damping, the laws' parameters, sentences on
+        controllers that do not fit the environment, such as its joints ("unfit"), the number of hinges, and the model.
         """
         seeds, driven = episode_seeds("evaluation", self.seed, episodes), {**self.env_kwargs, **OF_LAWS}
         damping = self.best_damper()
@@ -108,7 +109,10 @@ class Contest:
 
 
 def answer(summary: Summary, found: Mapping[str, Any], torque_limit: float) -> list[str]:
-    """Return sentences on the gain of the best drive over the best damper; `found` comes from `Contest.rows`."""
+    """Return sentences that compare returns, torques and forces of the best drive and the best damper.
+
+    They state the drive's `torque_limit` [N m], and findings of `Contest.rows` (`found`), such as unfit controllers.
+    """
     returns = {name: entry["return"].mean for name, entry in summary.items()}
     (damper,) = (name for name in returns if name.startswith(DAMPER))
     drive = max((name for name in returns if name.startswith(DRIVE)), key=lambda name: returns[name])

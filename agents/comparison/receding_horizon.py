@@ -113,9 +113,9 @@ class RecedingHorizon(DeterministicController):
         self.predicted_returns.append(predicted)
 
     def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Simulate the rest of the episode with each of the residuals (n, knots); return actions, rewards (n, periods).
+        """Simulate the episode's rest n times; return actions and rewards (n, periods), zero after an episode's end.
 
-        The rows of shorter episodes end with zeros.
+        A row of `residuals` (n, knots), linear between `knot_times` (knots,) [s], is added to the base's actions.
         """
         task, count = self._env.task, len(residuals)
         longest = task.deadline * (1.0 + task.overtime) + task.settling_window

@@ -62,7 +62,7 @@ def _values(by_run: Mapping[str, Sequence[Row]], figure: str) -> list[np.ndarray
 
 
 def reference(rows: Sequence[Row]) -> str:
-    """Return the name of the controller to compare with: the law of highest mean return, or the first controller."""
+    """Name the controller to compare with: the torque law of highest mean return, or without laws the first one."""
     returns = {
         name: float(interquartile_mean(np.array([row["return"] for row in rows if row["controller"] == name])))
         for name in dict.fromkeys(row["controller"] for row in rows if row["spec"] in LAWS)
@@ -108,7 +108,7 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
 
 
 def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, object]) -> tuple[Summary, str]:
-    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; return summary and Markdown text."""
+    """Write episodes.csv, metrics.json, comparison.md to `folder`; return estimates by controller and Markdown text."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
     make_folder(folder)
     write_table(folder / "episodes.csv", [dict.fromkeys(columns, "") | row for row in rows], {})

@@ -29,7 +29,7 @@ def estimate(
     resamples: int = 2000,
     mean: Callable[[np.ndarray], np.ndarray] = interquartile_mean,
 ) -> Estimate:
-    """Estimate a mean over all episodes of all runs, by default interquartile, with its 95 % bootstrap interval.
+    """Return mean (by default interquartile) and 95 % bootstrap interval, an `Estimate`, over all episodes of all runs.
 
     Every run has the same episodes. A resample picks runs and, independently, episodes, both with replacement, and
     takes these episodes of these runs (A. B. Owen, The pigeonhole bootstrap, Ann. Appl. Stat. 1 (2007) 386-411,
@@ -39,8 +39,8 @@ def estimate(
     zero. NaN values are left out; without other values the estimate is NaN.
 
     Args:
-        runs: One array (episodes,) of values for each training run; a baseline has one run. For comparisons the arrays
-            are (references, episodes), with a row for each run of the reference; rows are resampled like runs.
+        runs: One array (episodes,) of values for each training run; a baseline has one run. Comparisons with
+            another controller have arrays (references, episodes), a row for each of its runs; rows are resampled, too.
         resamples: Number of bootstrap resamples.
         mean: Function that reduces the last axis.
 
@@ -79,7 +79,7 @@ def estimate(
 def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
     """Estimate the mean of run minus reference run on the same episodes, over all pairs of a run and a reference run.
 
-    Each training run and each reference run is an array of values (episodes,); errors are as in `estimate`.
+    Each training run and each reference run is an array of values (episodes,); other lengths raise a ValueError.
     """
     return estimate([mine - np.stack(references) for mine in runs])
 

@@ -65,7 +65,7 @@ def _entries(name: str) -> dict[str, Any]:
 
 
 def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
-    """Return the tuning result in a law's file that applies to a model, and the model for which it was tuned."""
+    """Return a law's stored parameters and tuning record for `model`, else `FALLBACK_MODEL`, and that model's name."""
     entries, (stem, _, _) = _entries(name), env_id.rpartition("-")
     by_model = entries.get(env_id) or entries.get(f"{stem}-v1", {})
     source = model if model in by_model else FALLBACK_MODEL

@@ -48,8 +48,9 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
 
     The profile has constant deceleration, `min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))` at the opening `s`,
     but is never too slow to reach the lock angle by the time `RESERVE` ahead of the deadline.
-    Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile for joint 1 alone does not lower
-    the impact, so `s` is a mean of both. The low-pass filtered torque is zero where the rate follows the profile.
+    `s` is a weighted mean of both joints: the cable loop that couples them is elastic, so that they latch apart in
+    time, and a profile for joint 1 alone does not lower the impact. The torque grows with the rate's error from the
+    profile, and passes a low-pass filter.
     """
 
     reads = (*OPENING, "theta_driven", "rate_driven", "motor_torque", "time_to_deadline")
@@ -96,8 +97,8 @@ class SoftStartParameters(ServoParameters):
 class SoftStartServo(VelocityProfileServo):
     """A servo that lands the array after an open-loop torque history that starts the motion gently.
 
-    The servo alone accelerates the array at once, to have time for the landing, and nearly all wear of a soft
-    deployment comes from that start. The last latch ends the torque history.
+    The servo takes over gradually at the time `handover`, or at once at the last latch. Without the history, the servo
+    accelerates the array at once, to have time for the landing; from this start comes nearly all wear of soft landings.
     """
 
     parameters: SoftStartParameters

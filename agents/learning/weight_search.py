@@ -1,7 +1,7 @@
 """Search over the weights of a policy by the returns of whole episodes: CMA-ES with the interface of Stable-Baselines3.
 
 Noise on the weights tries one behaviour for a whole deployment. Returns of whole episodes rank the candidates, so that
-no gradient must bridge the delay between a landing and its cost.
+no gradient must bridge the delay between actions and the cost of the latching that they lead to.
 """
 
 import math
@@ -111,7 +111,7 @@ class CMAES(ARS):
         callback.on_rollout_end()
 
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
-        """Judge weights by their mean return in one episode per environment; the policy takes the best ones so far."""
+        """Run candidate weights `searched` for an episode per environment; the policy becomes the best one so far."""
         first = self.seed or 0
         tries = [(searched, first + episode) for episode in range(self.env.num_envs)]
         mean_return = float(self._returns(tries, callback).mean())

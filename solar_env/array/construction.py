@@ -21,12 +21,12 @@ def _turning(spin: float, arm: Point) -> Point:
 
 
 def _outward(row: JointRow) -> float:
-    """Return a panel's angle [rad] when in line with its inboard body: pi at a mirrored wing's root, otherwise 0."""
+    """Return the angle [rad] from inboard body to panel when in line: pi for the first panel towards -x, else 0."""
     return math.pi if row.side < 0 and row.inboard == MAIN_BODY else 0.0
 
 
 def build_deployed(parameters: ArrayParameters, model: str | ModelLevel) -> Mechanism:
-    """Build the deployed array at rest: a linear spring as stiff as the latch holds every joint at its lock angle.
+    """Build the deployed array at rest; a linear spring, as stiff as the latch, holds every joint at its lock angle.
 
     The joints are ideal, without play and friction, because the mechanism serves to study small vibrations.
     """
@@ -78,9 +78,9 @@ def _build(p: ArrayParameters, level: ModelLevel, joint_angles: Sequence[float])
 
 
 def _main_body(p: ArrayParameters) -> AnyBody:
-    """Return the main body, whose base points lie at (0, hinge_y) and (hinge_x, hinge_y) from its centroid [m].
+    """Return the main body, whose generalized coordinates are the positions of two points, the base points.
 
-    If hinge_x is nearly zero, the second point lies at (body_size, hinge_y). The points' positions are coordinates.
+    From its centroid, they lie at (0, hinge_y) and (hinge_x, hinge_y) [m]; body_size replaces a hinge_x near zero.
     """
     return Body(
         "main body",

@@ -34,8 +34,8 @@ class Answer:
     Attributes:
         question, level: a key of QUESTIONS, and the level's name as `ModelLevel.of` takes it.
         error: relative error of the result's mean over an ensemble of simulations, against a reference finer than all
-            levels: the greatest of all joints, or times of a path. For "controller-ranking" it is the fraction of
-            controller pairs in the wrong order.
+            levels; the greatest among the joints, or for the motion of the array's tip, the greatest at any time. For
+            "controller-ranking" it is the fraction of controller pairs in the wrong order.
         half_width: half the width of the error's 95 % sampling band.
         cost_ratio: wall time divided by the wall time of the reference, measured side by side.
         evaluations: mean number of right-hand side evaluations per member of the ensemble.
@@ -52,7 +52,7 @@ class Answer:
 
     @property
     def bound(self) -> float:
-        """Error plus half-width of its band: the smallest tolerance within which the level computes the result."""
+        """Upper end of the error's 95 % band: the smallest tolerance that the model level is known to satisfy."""
         return self.error + self.half_width
 
 
@@ -75,7 +75,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """Return the Pareto front of answers to `question`, a key of QUESTIONS: `bound` rises while `cost_ratio` falls."""
+    """Return the Pareto-optimal answers to `question`, a key of QUESTIONS: error `bound` rises, `cost_ratio` falls."""
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
         if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
@@ -109,5 +109,8 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
 
 
 def cheapest_level(question: str, tolerance: float) -> str:
-    """Return the name of the cheapest model level whose answer to one of QUESTIONS is within a relative tolerance."""
+    """Return the name of the cheapest model level that computes the result `question` within a relative tolerance.
+
+    `question` is a key of QUESTIONS. Errors were measured against a reference that is finer than all levels.
+    """
     return cheapest(read_answers(), question, tolerance).level

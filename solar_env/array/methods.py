@@ -1,4 +1,4 @@
-"""Choice of a deployment's integrator by name or by model level, and notes on whether its kernels are compiled."""
+"""Choice of a deployment's integrator by name or model level, and messages that its kernels must first be compiled."""
 
 import sys
 from collections.abc import Iterable

@@ -46,7 +46,7 @@ class Motorization:
 
     @property
     def ratio(self) -> tuple[float, float]:
-        """Least ratio of the driving torque to the torque asked for, and the joint angle at this minimum [rad]."""
+        """Least ratio of the driving torque to the torque that ECSS requires, and the joint angle there [rad]."""
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.where(self.asked > 0.0, self.driving / self.asked, np.inf)
         worst = int(np.argmin(ratios))
@@ -66,11 +66,11 @@ class Motorization:
         if np.isinf(ratio):
             return f"{self.name}: nothing to overcome"
         short = ", which is too little" if ratio < 1.0 else ""
-        return f"{self.name}: {ratio:.2f} of the torque asked for, least at {angle:.3g} rad{short}"
+        return f"{self.name}: {ratio:.2f} times the required torque, least at {angle:.3g} rad{short}"
 
 
 def listed(hinges: Sequence[Motorization]) -> str:
-    """State the motorization of hinges in one line, with equal hinges together."""
+    """Return one line that states each hinge's least torque ratio or stall angle, with equal hinges listed together."""
     names = dict[str, list[str]]()
     for hinge in hinges:
         names.setdefault(str(hinge).removeprefix(hinge.name), []).append(hinge.name)
@@ -165,10 +165,14 @@ def _tabulated(table: tuple[tuple[float, float], ...], angles: Array) -> Array:
 
 
 def _together(hinges: tuple[Motorization, ...]) -> Motorization:
-    """Sum torques of hinges coupled by cable loops, reduced to the first hinge by the ratios of the lock angles."""
+    """Return one `Motorization` for hinges that cable loops couple: the sum of their torques at equal opening.
+
+    Each torque is reduced to the first hinge: multiplied by its hinge's lock angle / the first hinge's lock angle.
+    """
     first = hinges[0].angles
     total = [
         sum(getattr(hinge, name) * (hinge.angles[-1] / first[-1]) for hinge in hinges)
         for name in ("driving", "resisting", "asked")
     ]
-    return Motorization(f"the wing from {hinges[0].name} on, by its cable loops,", first, *map(np.asarray, total))
+    name = f"the wing from {hinges[0].name} on, driven as one by its cables"
+    return Motorization(name, first, *map(np.asarray, total))

@@ -87,10 +87,10 @@ class FolderOptions:
     """measure nothing, draw the figures from the tables again"""
 
     def folders(self, name: str, tables: Path | None = None, figures: Path | None = None) -> tuple[Path, Path]:
-        """Make and return the folders (tables, figures) to which a study writes: both are `out`, or `name` without it.
+        """Make and return a study's folders (tables, figures). Both are the option `out`, by default the path `name`.
 
-        The option `readme` takes the folders `tables` and `figures` of the package instead, near the study's README.md;
-        None stands for `name`. With the option `draw` tables are only read, so that their folder must exist.
+        If the option `readme` is set, they are instead the arguments `tables` and `figures`, folders in the package; an
+        argument None is replaced by the path `name`. With the option `draw` the folder of tables must already exist.
 
         Raises:
             ValueError: if both `out` and `readme` are given.
@@ -170,7 +170,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
 
 
 def _senseless(cls: type, argv: Sequence[str]) -> str:
-    """Return "", or an error message for an empty value or a repeated `Assignments` option, which tyro accepts."""
+    """Return an error message for an empty value or repeated `key=value` option of `cls` (tyro accepts both), or ""."""
     hints = get_type_hints(cls, include_extras=True)
     pairs = {f"--{name.replace('_', '-')}" for name, kind in hints.items() if kind == Assignments}
     options = [word.partition("=")[0] for word in argv if word.startswith("--")]

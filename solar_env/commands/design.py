@@ -66,6 +66,6 @@ def run_command(args: Args) -> int:
 
 
 def ranges(words: Sequence[str]) -> dict[str, object]:
-    """Map parameter names to ranges: "hinge_damping=0,5" gives the range (0, 5), "latch_damping" gives None."""
+    """Map parameter names to ranges: "hinge_damping=0,5" gives (0, 5), "latch_damping" gives None (a default range)."""
     given = parse_assignments([word for word in words if "=" in word])
     return {**dict.fromkeys(word.strip() for word in words if "=" not in word), **given}

@@ -17,10 +17,11 @@ SECTION = Section(STUDIES / "ladder" / "README.md", "ladder", "solar-env ladder 
 
 @dataclass
 class Args(FolderOptions, QuietOption):
-    """Name the cheapest model level for a result, or measure all levels.
+    """Name the cheapest accurate model level, or measure all levels.
 
-    With --readme the table goes into solar_env/array/data, where --ask and solar_env.cheapest_level look it up. The
-    figure and a table of the best levels go into the study's page, solar_env/studies/ladder/README.md.
+    A level has rigid or flexible panels (of modes or elements), and ideal joints or clearances. With --readme the table
+    of errors and costs goes into solar_env/array/data, where --ask and solar_env.cheapest_level look it up. The figure
+    and a table of the best levels go into the study's page, solar_env/studies/ladder/README.md.
     """
 
     ask: Annotated[str | None, tyro.conf.arg(help=f"name the cheapest level for one of: {', '.join(QUESTIONS)}")] = None
@@ -29,7 +30,7 @@ class Args(FolderOptions, QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Print the cheapest level for `--ask`; otherwise measure the levels, write and print a table, draw a figure."""
+    """Print the cheapest model level for the result `ask`, or measure, tabulate and draw errors and costs of levels."""
     if args.ask is not None:
         answer = cheapest(read_answers(), args.ask, args.tolerance)
         print(answer.level)

@@ -15,10 +15,10 @@ from solar_env.support.progress import wide_console
 
 @dataclass
 class Args(ArrayOption, WorkerOptions, CommandRecord):
-    """Say how hard hinges and hub are hit, and how sure that is.
+    """Compute the loads on hinges and hub, with their uncertainty.
 
-    An ensemble of deployments is simulated at a level of the model, and at the finest one. Deployments differ slightly
-    in their initial joint rates, and in parameters drawn from the tolerances in the array's parameter file.
+    An ensemble of deployments is simulated at the model level --model, such as rigid-clearance, and at the finest one.
+    Deployments differ slightly in initial joint rates, and in parameters drawn from tolerances in the array's file.
     """
 
     model: str | None = None

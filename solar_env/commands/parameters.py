@@ -10,7 +10,7 @@ from solar_env.array.parameters.file import WINGS, named_array, parameter_text
 
 @dataclass
 class Args:
-    """Print a complete file of parameters, each explained."""
+    """Print an array's complete parameter file, with explanations."""
 
     array: Annotated[str, tyro.conf.Positional] = "default"
     """default, paper, cubesat-6u, apple or tape-spring"""

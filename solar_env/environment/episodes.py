@@ -26,8 +26,8 @@ Info = dict[str, Any]  # Gymnasium's `info` of a step, or the figures of a deplo
 
 
 class SavedEpisode(NamedTuple):
-    """A copy of an episode between two steps, see `Episodes.save`: parameters, settings, simulation state (contacts
-    included), latest reward terms, their physical quantities so far, and the states of drives and sensors.
+    """A copy of an episode between two steps: array parameters, settings, simulation state (contacts included), latest
+    reward terms, physical quantities charged since the episode's start, and the states of drives and sensors.
     """
 
     parameters: ArrayParameters
@@ -138,10 +138,10 @@ class Episodes:
         self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Advance environments `lanes` (k,) by a control period, as `attempt` does; raise the first simulation's error.
+        """Advance environments `lanes` (k,) by a control period; `actions` (all environments, motors) stay constant.
 
         Raises:
-            SimulationError: if a lane's simulation cannot continue.
+            SimulationError: if a simulation cannot continue: the error of the lowest such lane (environment).
             ValueError: if the actions have a wrong shape, are no numbers, or are not finite.
         """
         raise_first(self.attempt(lanes, checked_actions(actions, self._periods.actions.shape)))
@@ -180,7 +180,7 @@ class Episodes:
         return failures
 
     def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
-        """Return, by lane (environment), the argument of a user's reward function: time [s] and quantities by term."""
+        """Return, by lane (environment), a user reward function's argument: a dict of "time_s" and term quantities."""
         times, told = self.times.tolist(), self.settings.terms.told
         return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 

@@ -1,4 +1,4 @@
-"""Gymnasium ids of the environments; the entry points are strings, so that registration needs no compiler."""
+"""Gymnasium ids of the environments; their entry points are strings, so that registration imports no Numba."""
 
 import itertools
 

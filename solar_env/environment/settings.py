@@ -38,17 +38,18 @@ class EnvironmentSettings:
             most 20 % of the pairs of controllers wrongly.
         parameters: an `ArrayParameters`, or a mapping of changes to the scenario's parameters.
         version: version of the task, which sets the defaults of the keywords below: limits and times, observation,
-            action, rate loop, and scales and weights of the reward.
+            action, feedback loop of the drive, and scales and weights of the reward.
         torque_limit, control_period, deadline, settling_window, driven_joint, action: see `task.task.Task`.
-        observation: "scaled", "drive", "history" or "privileged"; or a list of observables, such as
-            `["theta", "rate", "rate_1_ago", "time_to_deadline"]`, where "rate_1_ago" is the rate one control period
-            ago. A list may also contain the four names, each for all its observables.
+        observation: "scaled", "drive", "history" or "privileged" (lists of observables in `SolarArrayEnv`'s docstring);
+            or a list such as `["theta", "rate", "rate_1_ago", "time_to_deadline"]`, where "rate_1_ago" is the rate one
+            control period ago. A list may also contain the four names, each for all its observables.
         reward: changes to the version's reward, by term: a weight, or a mapping of "scale", "weight", "bound" and
-            "form". Or a user's function, see `solar_env.environment.task.reward.RewardFunction`.
+            "form". With x = min(quantity / scale, bound) the term costs weight * x in the form "linear", and weight *
+            log10(1 + x) in the form "decades". Or a function, `solar_env.environment.task.reward.RewardFunction`.
         scenario: "nominal" or "randomised"; `parameters`, `randomize` and `hardware` change the scenario's values.
-        randomize: mapping of parameter names to (low, high), which replaces the scenario's ranges around the array's
-            own values. Each reset samples uniformly: by joint if a bound is a sequence by joint, and always by joint
-            for springs, clearances and initial rates.
+        randomize: mapping of parameter names to bounds (low, high) instead of the scenario's ranges, which surround
+            the array's own values. Each reset samples uniformly: by joint if a bound is a sequence by joint, and always
+            by joint for springs, clearances and initial rates.
         hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's hardware.
         render_mode: "rgb_array", "human" (a window, only for a single environment) or None.
         max_steps: greatest number of integration steps, with rejected ones, in one control period; hundreds are usual.
@@ -145,7 +146,7 @@ class EnvironmentSettings:
 
     @cached_property
     def task(self) -> Task:
-        """The task: the version's limits, times, action and driven joints, changed by the keywords."""
+        """The control task: limits, times, action and driven joints by keyword, otherwise by the task's version."""
         given = {item.name: plain(getattr(self, item.name, None)) for item in fields(Task)}
         usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
@@ -176,7 +177,7 @@ class EnvironmentSettings:
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
-        """Entries of the observation vector, in order."""
+        """Descriptions of the observation vector's entries in order: observable, index of joint or motor, and age."""
         observation = VERSIONS[self.version].observation if self.observation is None else self.observation
         return observation_entries(len(self.array.joints), observation, self.task.driven_joints)
 

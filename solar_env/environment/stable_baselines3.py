@@ -45,7 +45,7 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes with seeds and options set since the last reset; a `first_seed` replaces the seeds."""
+        """Begin episodes with seeds (or the constructor's `first_seed` + lane) and options set since the last reset."""
         if self._first_seed is not None:
             self.seed(self._first_seed)
         seeds: Any = self._seeds
@@ -84,7 +84,7 @@ class NativeVecEnv(VecEnv):
         return self.env.render()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Return the attribute of each lane (environment) in `indices`; what a lane lacks is read from the vector."""
+        """Return an attribute of each lane (environment) in `indices`, or the vector environment's if lanes lack it."""
         return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: object, indices: VecEnvIndices = None) -> None:
@@ -96,7 +96,7 @@ class NativeVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: object, indices: VecEnvIndices = None, **kwargs: object
     ) -> list[Any]:
-        """Call the method of each lane (environment) in `indices`; a method that a lane lacks is the vector's."""
+        """Call a method for each lane (environment) in `indices`: the lane's, otherwise the vector environment's."""
         lanes = [self.env.unwrapped.lane(lane) for lane in self._get_indices(indices)]
         return [getattr(lane, method_name)(*method_args, **kwargs) for lane in lanes]
 

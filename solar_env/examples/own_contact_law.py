@@ -1,8 +1,8 @@
 """Add a contact law of your own, and compare the exit speeds that contact laws give for a coefficient of restitution.
 
-A contact law F = K depth^n (1 + d rate / v) dissipates by its damping factor d alone. Whatever mass, speed and
-stiffness, the ratio e of exit speed to entry speed solves d (1 + e) = ln[(1 + d) / (1 - d e)]. S. Hu and X. Guo take
-d = 3 (1 - e) / (2 e), Multibody Syst. Dyn. 35 (2015) 131, doi:10.1007/s11044-015-9453-z.
+A contact law F = K depth^n (1 + d rate / v) dissipates by its damping factor d alone; v is the entry speed. Whatever
+mass, v and K, the ratio e of exit speed to v solves d (1 + e) = ln[(1 + d) / (1 - d e)]. For a restitution c, S. Hu and
+X. Guo take d = 3 (1 - c) / (2 c), Multibody Syst. Dyn. 35 (2015) 131, doi:10.1007/s11044-015-9453-z.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Simulate a deployment with two clearances, and plot how the peak contact force grows with the impact speed.
+"""Simulate an array whose two hinges differ in clearance, and plot the peak contact force against the impact speed.
 
 In a Hertzian impact the kinetic energy m v^2 / 2 becomes the elastic energy 2/5 K depth^(5/2). The peak force
 K depth^(3/2) therefore grows as v^(6/5), which is the straight line in the picture.

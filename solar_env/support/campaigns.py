@@ -109,7 +109,7 @@ class Campaign:
         return tuple(cell for key, cell in self.cells.items() if key not in self._results)
 
     def run(self, workers: int = 1) -> Iterator[Cell]:
-        """Run the simulations without a result; yield the cell (arguments) of each once its result is in the file."""
+        """Run the simulations that have no result yet; yield the arguments of each once its result is in the file."""
         with self._store.open("a", encoding="utf-8") as file, keeping(self._kept):
             for cell, result in each_done(self._function, self.missing, workers):
                 try:
@@ -122,9 +122,9 @@ class Campaign:
                 yield cell
 
     def run_shown(self, workers: int, console: Console, cells: str) -> list[Any]:
-        """Compute missing results under a progress bar labelled `cells`; return the results of all cells, in order.
+        """Compute missing results under a progress bar labelled `cells`; return results of all simulations, in order.
 
-        Where the console is no terminal, a line is printed before the first, and at every tenth of the missing results.
+        Where the console is no terminal, a line is printed at the start, and after every 10 % of the missing results.
         """
         total, missing = len(self.cells), len(self.missing)
         lines = Console(quiet=True) if console.is_interactive else console

@@ -33,7 +33,7 @@ class Section:
         return before + begin, within.strip(), end + after
 
     def read(self) -> str:
-        """Return the section's text, without the comment lines.
+        """Return the section's text, which lies between two comment lines of the page.
 
         Raises:
             ValueError: the page lacks one of the two comment lines.

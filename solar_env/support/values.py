@@ -88,7 +88,7 @@ def changed(kind: str, values: Values, changes: Mapping[str, object]) -> Values:
     """Return a copy of the dataclass `values` with the fields in `changes` changed; its own checks refuse bad values.
 
     Raises:
-        ValueError: if the changes are no mapping, a name of this `kind` is unknown, or a value is refused.
+        ValueError: if the changes are no mapping, a value is refused, or a name is unknown; the message says `kind`.
     """
     if not isinstance(changes, Mapping):
         raise ValueError(f"{kind}: {changes!r} must be a mapping of names to values")

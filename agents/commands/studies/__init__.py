@@ -1,1 +1,1 @@
-"""Commands of `solar-env study` that make the pages on controllers, as in `solar_env.commands.studies`."""
+"""Studies of controllers, which `solar-env study` runs: modules with `OPTIONS` (names of options) and `run(args)`."""

@@ -33,8 +33,9 @@ FILE = "attack.json"
 def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: Task) -> np.ndarray:
     """Return the actions (n,) of action profiles (n, NUMBERS) at times (n,) [s], one for each environment of a batch.
 
-    A profile holds actions at equal intervals up to the deadline of `task`, and amplitude, half-period and phase of two
-    superposed square waves (chatter): before and after the first latch. `latched` (n,) is true if a joint has latched.
+    A profile holds numbers in [0, 1]: actions at equal intervals up to the deadline of `task`, 0.5 for no action; then
+    amplitude, half-period and phase of a square wave (chatter), which is blended with the actions before the first
+    latch; and the same three numbers for the time after it. `latched` (n,) is true if a joint has latched.
     """
     knots = np.linspace(0.0, task.deadline, KNOTS)
     steady = np.array([np.interp(t, knots, 2.0 * of[:KNOTS] - 1.0) for t, of in zip(times, profiles, strict=True)])
@@ -46,12 +47,15 @@ def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: 
 
 
 def passive_profile() -> np.ndarray:
-    """Return the profile (NUMBERS,) of zero actions, in which the superposed square waves have zero amplitude."""
+    """Return the profile (NUMBERS,) of zero actions, coded as 0.5, and of chatter (square waves) without amplitude."""
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 
 def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[Info]:
-    """Run one episode per profile and seed; return, for each, "return" and the entries of `info["deployment"]`."""
+    """Run an episode of each action profile (NUMBERS,) with the seed at the same index, in vector environment `env`.
+
+    Return, for each episode, a dictionary with its "return" and the entries of `info["deployment"]`.
+    """
     env, idle = env.unwrapped, env.num_envs - len(profiles)
     given = np.stack([*profiles, *[passive_profile()] * idle])
     env.reset(seed=[*seeds, *[0] * idle])

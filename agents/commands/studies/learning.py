@@ -1,4 +1,4 @@
-"""`solar-env study learning`: learning curves of Stable-Baselines3 and of CMA-ES over weights, beside torque laws."""
+"""`solar-env study learning`: returns of policies in training by Stable-Baselines3 or CMA-ES, and of torque laws."""
 
 import math
 import time
@@ -45,7 +45,8 @@ PACE = "seconds_per_step.json"  # file of a run folder, written when the run has
 def run(args: Args) -> int:
     """Train agents with five seeds each and draw all learning curves; finished runs are not trained again.
 
-    The curves are drawn from learning_curves.csv. A curve without finished runs in the folder keeps its values there.
+    Finished runs in the folder --out replace their curves in learning_curves.csv, from which all curves are drawn.
+    Curves without such runs keep the values that this file already has.
     """
     cases = args.parts(list(CASES))
     out, figures = args.folders("learning", figures=FIGURES)
@@ -103,7 +104,7 @@ def _steps(folder: Path) -> int:
 
 
 def _rows(args: Args, out: Path) -> Iterator[Row]:
-    """Yield table rows: one for each validation of each finished run, and one without steps for each torque law."""
+    """Yield table rows with returns: one per validation of a finished training run, one per torque law (steps NaN)."""
     for scene, (env_id, keywords) in SCENES.items():
         folders = [(algo, seed, _folder(out, algo, scene, seed)) for algo in LENGTHS for seed in SEEDS]
         trained = [(algo, seed, folder) for algo, seed, folder in folders if (folder / PACE).is_file()]

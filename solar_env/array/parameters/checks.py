@@ -1,4 +1,4 @@
-"""Checks of the array's parameters: each against the rule in its `Row`, and some against other parameters.
+"""Checks of the array's parameters: each against its own rule (allowed values), and some against other parameters.
 
 An error names the parameter, the bad value and the rule. A value that no spacecraft has, most likely given in a wrong
 unit, causes a warning before anything is simulated.
@@ -86,7 +86,7 @@ _MODULI = ("journal_young", "journal_poisson", "bearing_young", "bearing_poisson
 
 
 def number(default: object, rule: Rule = ANY, usual: Usual | None = None, **marks: Any) -> Any:
-    """Return a dataclass field with a default and a `Row`, which `rule`, `usual` and `marks` make up."""
+    """Return a dataclass field with a `Row` in its metadata: allowed and usual values, other attributes (`marks`)."""
     return field(default=default, metadata={"row": Row(rule, usual, **marks)})
 
 
@@ -94,12 +94,12 @@ per_joint, tabulated = partial(number, by_joint=True), partial(number, table=Tru
 
 
 def row_of(item: Field[Any]) -> Row:
-    """Return the `Row` of a parameter from its dataclass field."""
+    """Return a parameter's properties (`Row`), such as its allowed values, from the parameter's dataclass field."""
     return item.metadata.get("row", Row(ANY))
 
 
 def check_rows(values: Any) -> None:
-    """Raise a ValueError for the first field of the dataclass `values` that breaks the rule in its `Row`.
+    """Raise a ValueError for the first field of the dataclass `values` that breaks the rule in the field's metadata.
 
     Warns:
         UnitWarning: about values that were probably given in a wrong unit.
@@ -113,7 +113,7 @@ def check_rows(values: Any) -> None:
 
 
 def check_parameters(p: ArrayParameters) -> None:
-    """Check every array parameter against its `Row`, and parameters against each other.
+    """Check every array parameter against its own rule (allowed values), and parameters against each other.
 
     Raises:
         ValueError: a parameter is refused; the message names the first refused parameter.

@@ -164,5 +164,5 @@ def parameter_text(parameters: ArrayParameters) -> str:
 
 
 def _toml(value: object) -> str:
-    """Return a value in TOML's notation, which is JSON's except for None."""
+    """Return a parameter's value as TOML text, equal to JSON text, except that None becomes `NONE` in quotes."""
     return f'"{NONE}"' if value is None else json.dumps(value)

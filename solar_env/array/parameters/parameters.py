@@ -114,9 +114,9 @@ class ArrayParameters:
         friction_coefficient: Coulomb's coefficient of sliding friction.
         friction_speed_zero, friction_speed_full: sliding speeds between which friction rises from zero to Coulomb's
             value [m/s], the paper's Eq 42 (chosen: below the speeds of impacts, which meet the full friction).
-        friction_sliding: sliding speed in the friction law. "material" takes the speed of the material points in
-            contact, "centres" the speed of the joint's centres, "places" the speed of the contact points: depth /
-            (clearance + depth) times the centres' speed, as in the paper's Eq 35. The latter two ignore rotations.
+        friction_sliding: sliding speed in the friction law. "material" takes the relative speed of the material points
+            in contact. The others ignore the bodies' rotation: "centres" takes the relative speed of the centres across
+            their line, "places" depth / (clearance + depth) times that, the paper's Eq 35 for the contact points.
         wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the
             order of 1e-14 to 1e-13 m, as the paper reports).
         bearing_width: axial length of the bearings [m] (chosen: the hinge line spans the panel).
@@ -230,8 +230,8 @@ class ArrayParameters:
 
         "paper" follows Li, Wang and Huang (2019) as printed, except where its own results contradict it. It has
         hinge_y = -0.5, so that the folded panels extend beyond the main body, and cable_torque_ratio = 1. Both
-        together reproduce the paper's latch time, though that ratio destroys half of the springs' energy. The panels
-        have no damping. The wear coefficient makes the deepest wear bin as deep as in the paper's figures.
+        together reproduce the paper's latch time, though cable torques in that ratio take up half of the springs' work.
+        The panels have no damping. The wear coefficient makes the greatest wear depth as in the paper's figures.
         """
         check_name("preset", name, PRESETS)
         return cls(**PRESETS[name])
@@ -242,7 +242,7 @@ class ArrayParameters:
 
     @property
     def body_length(self) -> float:
-        """Distance between the main body's two base points [m]: hinge_x, or body_size if hinge_x is nearly zero."""
+        """Distance [m] of the two points that locate the main body: hinge_x, or body_size if hinge_x is nearly zero."""
         return self.hinge_x if self.hinge_x > 1e-3 * self.body_size else self.body_size
 
     @property

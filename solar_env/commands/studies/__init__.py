@@ -1,1 +1,1 @@
-"""Studies on the documentation pages, which `solar-env study` runs; each is a module with `OPTIONS` and `run(args)`."""
+"""Studies behind the documentation pages. `solar-env study` runs these modules, each with `OPTIONS` and `run(args)`."""

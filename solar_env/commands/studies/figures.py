@@ -1,4 +1,4 @@
-"""`solar-env study figures`: pictures for the pages: a deployment, fixed step sizes that fail, and a design."""
+"""`solar-env study figures`: documentation pictures of a deployment, of failing time steps, and of a design study."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

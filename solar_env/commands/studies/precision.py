@@ -1,4 +1,4 @@
-"""`solar-env study precision`: measured speed and accuracy of integrators and panels, as tables and figures."""
+"""`solar-env study precision`: measured speed and accuracy of integrators and panel models, as tables and figures."""
 
 from solar_env.commands.study import Args
 from solar_env.support.readme import STUDIES, Section

@@ -17,7 +17,7 @@ _COLUMNS = 100
 def run(args: Args) -> int:
     """Map at which settings integrators fail; "--only parameters" instead varies each array parameter over 8 decades.
 
-    Both check that the library reports failures: return 1 if a run fails without an error or a warning, otherwise 0.
+    Both check that the library reports failures: return 1 if a run's failure goes unreported, otherwise 0.
     """
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
@@ -51,7 +51,7 @@ def _walk_parameters(args: Args, folder: Path) -> int:
 
 
 def _report(name: str, path: Path) -> int:
-    """Draw the map from the table at `path`; return 1 if a run failed without error or warning, otherwise 0."""
+    """Draw the stability map `name` from its table `path`; return 1 if a run's failure went unreported, otherwise 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map

@@ -52,7 +52,7 @@ class Window:
         return {**vars(self), "_surface": None, "_clock": None}
 
     def show(self, frame: NDArray[np.uint8] | None) -> None:
-        """Show a frame (height, width, 3) uint8, after a wait that keeps the frame rate."""
+        """Show a frame (height, width, 3) uint8, after a wait that keeps the frame rate; None fails an assertion."""
         assert frame is not None
         pygame = open_display()
         image = pygame.surfarray.make_surface(frame.swapaxes(0, 1))

@@ -39,9 +39,9 @@ motor_type = np.dtype((np.record, np.dtype([("joint", "i8"), *((name, "f8") for 
 
 
 class TaskNumbers(NamedTuple):
-    """The numbers of a `Task` for compiled kernels: times [s], the action's code, and a `motor_type` record per motor.
+    """The numbers of a `Task` for kernels: times [s], code of the kind of action, and a `motor_type` record per motor.
 
-    For a batch of environments (lanes), `sample_period` and `motors` have a leading axis of lanes, which may differ.
+    For a batch of environments (lanes), `sample_period` and `motors` have a leading axis with an entry for every lane.
     """
 
     control_period: float
@@ -87,7 +87,10 @@ def refinement(hardware: Hardware, array: ArrayParameters, joints: Sequence[int]
 def motor_row(
     joint: int, torque_limit: float, deadline: float, hardware: Hardware, array: ArrayParameters, period: float
 ) -> tuple[float, ...]:
-    """Return the fields of a `motor_type` record for the motor on a joint, whose drive samples every `period` [s]."""
+    """Return the fields of a `motor_type` record for the motor on a joint, whose drive samples every `period` [s].
+
+    The rate for an action of 0 opens the joint in CRUISE times the `deadline` [s]. `torque_limit` is in N m.
+    """
     load, slope = spring_load(array, joint) if hardware.load_compensation else (0.0, 0.0)
     return (
         joint,
@@ -140,7 +143,7 @@ def numbers_of(lanes, lane):
 
 @kernel
 def asked_rate(motor, memory, action):
-    """Return the joint rate [rad/s] that the lagged `action` requests; advance the lag in `memory` by one sample."""
+    """Advance a first-order lag of `action` (`memory[LOG_RATIO]`) by a sample; return the requested rate [rad/s]."""
     memory[LOG_RATIO] += motor.lag_response * (REACH * action - memory[LOG_RATIO])
     u = memory[LOG_RATIO]
     return motor.cruise * (math.exp(u) if u < 0.0 else 1.0 + HASTE * u)
@@ -178,7 +181,7 @@ def asked_torque(model, state, task, motor, memory, action, rate_error, settling
 
 @kernel
 def set_torque(state, motor, torque):
-    """Move `motor_torque` in `state.joints` towards the requested `torque` [N m], by the motor's lag and rate limit."""
+    """Move `motor_torque` in `state.joints` towards `torque` [N m], as motor lag and rate limit allow per sample."""
     driven = state.joints[motor.joint]
     if motor.response < 1.0:
         torque = driven.motor_torque + motor.response * (torque - driven.motor_torque)

@@ -31,7 +31,7 @@ class Observable(NamedTuple):
 
     Attributes:
         low, high: bounds of the clipped quantity, in its unit.
-        code: number by which the kernel `reading` computes the quantity.
+        code: integer that selects the quantity in the kernel `reading`.
         by_joint: whether there is one entry per joint.
         by_motor: whether there is one entry per motor.
         noise: name of the field of `Hardware` with the noise's standard deviation; None without noise.
@@ -112,11 +112,12 @@ class Entry(NamedTuple):
 
 
 def observation_entries(joints: int, observation: str | Names, driven: Sequence[int] = (0,)) -> tuple[Entry, ...]:
-    """Return the entries of the observation vector in order, for a number of joints and the indices of `driven` joints.
+    """Return an `Entry` (observable, joint or motor, age) for every number in the observation vector, in order.
 
+    There are `joints` joints. `driven` are the indices of joints with motors, the only ones with entries by motor.
     `observation` is a key of `OBSERVATIONS`, or a list of names from `OBSERVABLES` and `FEATURES`; a key in the list
-    stands for its own list. "theta_2_ago" is the value of theta two control periods ago. A tuple of names in the list
-    gives the entries of all its names for the first joint, then for the second joint, and so on.
+    adds its names. "theta_2_ago" is the value of theta two control periods ago. A tuple of names in the list gives the
+    entries of all its names for the first joint, then for the second joint, and so on.
 
     Raises:
         ValueError: for an unknown name, a name that is listed twice, or an empty list.

@@ -42,9 +42,9 @@ class Periods(NamedTuple):
 
 
 def error_count(task: TaskNumbers) -> int:
-    """Return the greatest number of drive samples, and so of errors in measured rates, in an environment step.
+    """Return the greatest number of the drives' control samples in an environment step; rate noise is drawn for each.
 
-    If drives settle the array, a step may include the settling window, whose first and last sample may be partial.
+    If drives bring the array to rest, a step may include this settling, whose first and last sample may be partial.
     """
     period = float(task.sample_period)
     return round(task.control_period / period) + (
@@ -53,9 +53,10 @@ def error_count(task: TaskNumbers) -> int:
 
 
 def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArray[np.float32]) -> Periods:
-    """Allocate `Periods` for `lanes` environments with `motors` and reward `terms` each; `exact` becomes a field.
+    """Allocate `Periods` for a number of `lanes` (environments), each with numbers of `motors` and reward `terms`.
 
-    `errors` is the greatest number of drive samples in a step, each of which takes an error of the measured rates.
+    `errors` is the greatest number of drive samples in a step; each has an error of the measured rate of every motor.
+    `exact` (lanes, measured) is the array to which kernels will write observations without sensor effects.
     """
     return Periods(
         np.zeros((lanes, motors)),
@@ -77,8 +78,7 @@ def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArra
 def begin_period(state, task, periods, lane):
     """Reset `recent_peak_force` of all joints, and set the end of the next control period in `periods.end_times`.
 
-    The end time is a multiple of the control period, so that rounding errors do not accumulate; or the end of the
-    episode, if that comes first.
+    The end is a multiple of the period, so that rounding errors do not add up, or an earlier end of the episode.
     """
     for j in range(state.joints.size):
         state.joints[j].recent_peak_force = 0.0
@@ -90,7 +90,7 @@ def begin_period(state, task, periods, lane):
 
 @kernel
 def begin_sample(model, state, task, periods, lane):
-    """Set an environment's motor torques for the next drive sample; write the sample's end to `periods.sample_ends`."""
+    """Set motor torques in environment `lane` for the drives' next sampling interval; write `periods.sample_ends`."""
     settling, sample = task.drive_settles and all_latched(state.joints), periods.samples[lane]
     for k in range(task.motors.size):
         motor, action = task.motors[k], min(max(periods.actions[lane, k], -1.0), 1.0)
@@ -103,9 +103,10 @@ def begin_sample(model, state, task, periods, lane):
 
 @kernel
 def end_period(model, state, task, channels, prices, periods, lane):
-    """Write an environment's reward, exact observations and `terminated` to `periods` after a control period.
+    """Write reward, observations without sensor effects, and `terminated` of environment `lane` to `periods`.
 
-    An episode ends `task.settling_window` after the last latching, or at `task.last_chance` if a joint is still open.
+    `channels` are records of the observed quantities, `prices` of the reward terms. An episode ends
+    `task.settling_window` after the last latching, or at `task.last_chance` if a joint is still open.
     """
     periods.rewards[lane] = charge(model, state, task, prices, periods.accounts[lane], periods.terms[lane])
     observe(model, state, task, channels, periods.drives[lane], periods.exact[lane])
@@ -120,13 +121,14 @@ def hold_lanes(
     """Advance lanes (environments) from a queue, which threads share, by a control period with constant actions.
 
     Args:
-        models, states, settings, recorder, arrays, queue, counter, steps_left, statuses: as for `advance_lanes` in
-            `integrators/run.py`: handles of models and states, integrator settings, recorder, handle of work arrays,
-            (k,) lanes to advance, (1,) number of lanes taken, (lanes,) steps left, and (lanes,) status codes.
+        models, states, arrays: handles (addresses) of the lanes' models and states, and of the thread's work arrays.
+        settings, recorder: integrator settings in the kernels' types, and recorder of samples and contacts.
+        queue, counter: (k,) lanes to advance, and (1,) number of lanes that threads have taken so far.
+        steps_left, statuses: (lanes,) number of integration steps left, and status codes; both are written.
         address: address of `advance_lanes` compiled for these arguments.
         tasks: `TaskNumbers` of all lanes.
-        channels: (measured,) from `observations.channels`.
-        prices: (terms,) from `reward.Reward.rows`.
+        channels: (measured,) records of the observed quantities, from `observations.channels`.
+        prices: (terms,) records of the reward terms, from `reward.Reward.rows`.
         periods: `Periods` of all lanes; a lane that fails keeps its last observation and reward terms.
     """
     while True:
@@ -158,7 +160,10 @@ def hold_lanes(
 
 @kernel(inlined=False)
 def observe_lanes(models, states, tasks, channels, drives, lanes, observations):
-    """Write exact observations of environments `lanes` (k,) to `observations` (all environments, measured) float32."""
+    """Write exact quantities, without sensors, to rows `lanes` (k,) of `observations` (environments, measured) float32.
+
+    `channels` (measured,) are records of the quantities, `drives` (environments, motors, MEMORY) the drives' states.
+    """
     for lane in lanes:
         model, state = lane_view(arrays_of(models), lane), lane_view(arrays_of(states), lane)
         observe(model, state, numbers_of(tasks, lane), channels, drives[lane], observations[lane])

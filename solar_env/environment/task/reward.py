@@ -58,7 +58,7 @@ class Price:
 
     @property
     def row(self) -> tuple[int, float, float, float]:
-        """Code of the form, scale, weight and bound, in the order of `price_type`."""
+        """Tuple (integer code of the form, scale, weight, bound), the last four fields of a `price_type` record."""
         return FORMS[self.form], self.scale, self.weight, self.bound
 
     @property
@@ -72,9 +72,10 @@ class RewardTerm(NamedTuple):
 
     Attributes:
         figure, phase, unit: charged quantity, part of the episode in which it is charged, and its unit, as texts.
-        code: number by which the kernel `reading` computes the quantity.
-        growth: charged amount: LATEST value, GREATEST magnitude, or summed magnitudes of CHANGES, at ends of steps.
-        scale: see `Price`; the weight is 0 unless the task's version or the keyword `reward` gives a weight.
+        code: integer that selects the quantity in the kernel `reading`.
+        growth: rule by which readings at the ends of steps give the charged amount: LATEST reading, GREATEST magnitude,
+            or sum of the magnitudes of CHANGES.
+        scale: default of `Price.scale`; the weight is 0 unless the task's version or the keyword `reward` gives one.
         sign: 1 for a quantity that costs, -1 for a quantity that earns.
     """
 
@@ -185,7 +186,7 @@ class Reward:
         return np.array(rows, dtype=price_type)
 
     def told(self, time: float, account: NDArray[np.float64]) -> Told:
-        """Return time [s] and quantities by term, for a user's reward function; `account` is described in `charge`."""
+        """Map "time_s" to `time` [s], and names of terms to charged quantities (unweighted), `account[:, FIGURE]`."""
         figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
         return Quantities(figures, time_s=time)
 
@@ -206,8 +207,8 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 def v1_return(figures: Mapping[str, Any]) -> float:
     """Compute the return of a deployment by the rewards of task version 1, from its results `info["deployment"]`.
 
-    Tables of controllers have this return as `v1_return`. A missed deadline costs 25; the rewards of version 1 also
-    charge 25 times the joints' mean distance to the lock, in lock angles, up to 25.
+    Tables of controllers have this return as `v1_return`. A missed deadline costs 25. The rewards of version 1 also
+    charge 25 times the joints' mean distance to the lock, in lock angles, up to 25; this function omits that.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
@@ -258,7 +259,7 @@ def reading(code, model, state, task):
 
 @kernel
 def cost(price, figure):
-    """Return what the amount `figure` of a quantity costs by the record `price`, without the factor `price.weight`."""
+    """Return the cost, without the weight, of a quantity `figure` at the scale, bound and form of `price`."""
     x = min(figure / price.scale, price.bound)
     return x if price.form == LINEAR else math.log10(1.0 + x)
 
@@ -267,7 +268,8 @@ def cost(price, figure):
 def charge(model, state, task, prices, account, terms):
     """Write the reward terms of a control period to `terms` (terms,), update the account, and return the terms' sum.
 
-    `account` (terms, 2) holds each quantity's amount charged so far and its latest value; an episode begins with zeros.
+    `prices` (terms,) are `price_type` records. `account` (terms, 2) holds the amount of each term's quantity charged so
+    far, and the latest reading of the quantity; an episode begins with zeros.
     """
     total = 0.0
     for k in range(prices.size):

@@ -92,7 +92,7 @@ class Sensors:
         self._show(lanes)
 
     def _show(self, lanes: NDArray[np.int64]) -> None:
-        """Write present and past measured values of environments `lanes`, and features of these, to `observed`."""
+        """Write to `observed` present or past measurements in environments `lanes`, or features (functions) of them."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
         for k, feature, lock_angle in self._features:

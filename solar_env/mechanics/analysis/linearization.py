@@ -68,7 +68,7 @@ class NewtonEquations:
 
 
 def linearize(mechanism: Mechanism) -> Linearization:
-    """Linearize a mechanism about its initial state.
+    """Return mass, damping, stiffness and constraint matrices of a mechanism, linearized about its initial state.
 
     Raises:
         ValueError: if the initial state violates the constraints, or if constraints are redundant.

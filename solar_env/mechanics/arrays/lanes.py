@@ -30,7 +30,7 @@ def allocate_lanes(arrays: Arrays, lanes: int) -> Arrays:
 
 
 def lane_view(lanes: Arrays, lane: int) -> Arrays:
-    """Return views, for Python or kernels, of the arrays of lane number `lane`; they share memory with `lanes`."""
+    """Return the arrays of mechanism number `lane`: views that share memory with a batch's arrays `lanes`."""
     return _mapped(lambda entry: entry[lane], lanes)
 
 
@@ -61,7 +61,7 @@ def fill_lane(lanes: Arrays, lane: int, arrays: Arrays) -> None:
 
 
 def _pairs(lanes: Any, arrays: Any) -> Iterator[tuple[str, NDArray[Any], Any]]:
-    """Yield (name, array of all lanes, array of one mechanism) for every entry of two nested named tuples."""
+    """Yield (name, batch array of `lanes`, a mechanism's array of `arrays`) for every entry of nested named tuples."""
     for name, target, source in zip(lanes._fields, lanes, arrays, strict=True):
         if isinstance(target, tuple):
             yield from _pairs(target, source)
@@ -78,7 +78,7 @@ def _mapped(function: Any, arrays: Any) -> Any:
 
 @overload(lane_view, inline="always")
 def _compiled_lane_view(lanes, lane):
-    """Return Numba's implementation of `lane_view`, as generated code: a compiled loop cannot build a named tuple."""
+    """Return a generated function that takes item `lane` of each array, written out: Numba's loops build no tuples."""
     classes: dict[str, Any] = {}
 
     def construction(kind: types.BaseNamedTuple, path: str) -> str:

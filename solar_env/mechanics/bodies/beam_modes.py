@@ -33,7 +33,7 @@ class EndModes(NamedTuple):
     """Mass-normalized bending or axial modes, described by their frequencies and end values.
 
     Attributes:
-        frequencies: (modes,) angular frequencies [rad/s]; pseudo-modes come last.
+        frequencies: (modes,) angular frequencies [rad/s]; last come pseudo-modes, which represent all higher modes.
         rows: (end values, modes) per unit modal amplitude: displacements [1/sqrt(kg)] and slopes [1/(m sqrt(kg))].
             Bending: deflection and slope of the first end, then of the second; axial: displacements of both ends.
     """
@@ -71,7 +71,7 @@ def bending_modes(length: float, mass: float, stiffness: float, kept: int, block
 
 @lru_cache(maxsize=64)
 def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
-    """Return `bending_modes` of a beam with unit length, mass and stiffness."""
+    """Return `kept` bending modes of a beam with unit length, mass and stiffness, then 4 * `blocks` pseudo-modes."""
     exact = [_end_values(wave_number(k)) for k in range(1, kept + 1)]
     squares = [wave_number(k) ** 2 for k in range(1, kept + 1)]
     signs = [1 if k % 2 else -1 for k in range(1, kept + 1)]
@@ -87,14 +87,14 @@ def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
 
 
 def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Return the axial modes of a free bar with the stiffness E A [N]; other arguments are as in `bending_modes`."""
+    """Return `kept` axial modes of a free bar (`stiffness` E A [N]), then 2 * `blocks` pseudo-modes for higher ones."""
     numbers, rows = _unit_axial_modes(kept, blocks)
     return EndModes(numbers * math.sqrt(stiffness / mass / length), rows / math.sqrt(mass))
 
 
 @lru_cache(maxsize=64)
 def _unit_axial_modes(kept: int, blocks: int) -> EndModes:
-    """Return `axial_modes` of a bar with unit length, mass and stiffness."""
+    """Return `kept` axial modes of a bar with unit length, mass and stiffness, then 2 * `blocks` pseudo-modes."""
     numbers = [k * _CONTEXT.pi for k in range(1, kept + 1)]
     rows = [(_CONTEXT.sqrt(2), (-1) ** k * _CONTEXT.sqrt(2)) for k in range(1, kept + 1)]
     for first, sign in ((_next_of_parity(kept, 1), -1), (_next_of_parity(kept, 0), 1)) if blocks else ():
@@ -126,7 +126,7 @@ def _sum_over_others(power: int, first: Real) -> Real:
 
 
 def _bending_moment(first: int, power: int) -> Any:
-    """Return the (2, 2) sum of v v^T x^(-4 power) over modes first, first + 2, ... with end values v, wave number x."""
+    """Return the sum of v v^T x^(-4 power) over modes first, first + 2, ...: wave number x, v = (deflection, slope)."""
     moment = _CONTEXT.matrix(2, 2)
     k = first
     while k <= _ASYMPTOTIC:
@@ -143,10 +143,9 @@ def _bending_moment(first: int, power: int) -> Any:
 
 
 def _pseudo_modes(moments: Sequence[Any], blocks: int) -> tuple[list[Real], list[tuple[Real, ...]]]:
-    """Return the frequencies and end values of pseudo-modes that represent omitted modes.
+    """Return the frequencies omega and end values v of pseudo-modes that represent omitted modes.
 
-    `blocks`: number of blocks of Krylov vectors. `moments[p - 1]`: sum of v v^T omega^-2p over the omitted modes, with
-    end values v and frequencies omega.
+    `blocks`: number of blocks of Krylov vectors. `moments[p - 1]`: sum of v v^T omega^-2p over the omitted modes.
     """
     values = moments[0].rows
     size = values * blocks

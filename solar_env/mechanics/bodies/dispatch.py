@@ -33,7 +33,7 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
 
 @kernel
 def solve_free(body, constants, force, a):
-    """Write M^-1 `force` of a body to `a` (n,): its accelerations without joints and without its length constraint."""
+    """Write M^-1 `force` of a body to `a` (n,); ignore joints and the fixed distance of a rigid body's base points."""
     if body.fixed:
         _hold(body, a)
     elif body.kind == CABLE_ELEMENTS:

@@ -1,8 +1,9 @@
 """Markers, points of bodies with a direction: motion, loads, and their derivatives with respect to the coordinates.
 
-A body's coordinates are points and vectors, and a marker is linear in them. With coordinate pairs p1 and p2 and
-J = rotation by 90 degrees, position = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction's
-length is the body's length, or a beam's local stretch. The same formulas give the rates from velocities.
+A marker depends linearly on two coordinate pairs p1 and p2 of its body: the two base points of a rigid body, or
+position and slope vector at a beam's node. With constants a1, b1, a2, b2 and c1 of the marker and J = rotation by 90
+degrees, position = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. On a rigid body the direction is
+p2 - p1, with the body's length; on a beam it is p2, with the local stretch as length. Velocities give rates likewise.
 """
 
 import math
@@ -28,12 +29,12 @@ marker_type = record(
 
 
 def pair_coordinates(row: np.void) -> list[int]:
-    """Return the indices of the four coordinates that a marker depends on: two of p1, then two of p2."""
+    """Return the indices in q of x1, y1, x2, y2: the two points or vectors on which the marker record `row` depends."""
     return [int(row["i1"]), int(row["i1"]) + 1, int(row["i2"]), int(row["i2"]) + 1]
 
 
 def place_row(row: np.void, axis: int) -> dict[int, float]:
-    """Return the nonzero coefficients, by coordinate index, of a marker's x (`axis` 0) or y position (`axis` 1)."""
+    """Return marker `row`'s x (`axis` 0) or y (1) as a linear function of q: {index in q: nonzero coefficient}."""
     turn = -1.0 if axis == 0 else 1.0
     entries: dict[int, float] = {}
     for first, a, b in ((int(row["i1"]), row["a1"], row["b1"]), (int(row["i2"]), row["a2"], row["b2"])):
@@ -106,11 +107,11 @@ def angle_hessian(dx, dy):
 
 @kernel
 def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
-    """Write derivatives of a marker's motion with respect to its four coordinates to columns 4 * side to 4 * side + 3.
+    """Write derivatives of the motion of marker number `side` (0 or 1) of a pair with respect to its four coordinates.
 
-    `side`: 0 or 1. `gradient` (4, 8) gets derivatives of x and y in rows 0 and 1, of the direction angle in row
-    2 + side. In that row `rate_slope` (4, 8) gets derivatives of the angle's rate. Both must be zero before.
-    `index` (8,) gets the coordinates' indices.
+    They go to columns 4 * side to 4 * side + 3 of `gradient` and `rate_slope` (4, 8), which must be zero before.
+    `gradient` gets the derivatives of x and y in rows 0 and 1, and of the direction angle in row 2 + side. `rate_slope`
+    gets the derivatives of the angle's rate in row 2 + side. `index` (8,) gets the coordinates' indices in q.
     """
     k, angle = 4 * side, 2 + side
     index[k], index[k + 1] = marker.i1, marker.i1 + 1
@@ -131,7 +132,7 @@ def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
 
 @kernel
 def subtract_hessian(marker, q, torque, elimination, matrix):
-    """Subtract torque * (Hessian of a marker's direction angle) from a profile matrix; a position's Hessian is zero."""
+    """Subtract torque * (Hessian of a marker's direction angle) from a profile matrix in the order `elimination`."""
     dx, dy = direction(marker, q)
     hxx, hxy = angle_hessian(dx, dy)
     for row in range(2):

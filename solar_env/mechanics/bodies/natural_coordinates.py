@@ -2,7 +2,7 @@
 
 The mass matrix is constant and the only constraint is the length. The multiplier of a single body therefore has a
 closed form (J. Garcia de Jalon and E. Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
-doi:10.1007/978-1-4612-2600-0; paper, Eqs 8-15). Every 2 x 2 block is a I + b J, with J the turn by 90 degrees.
+doi:10.1007/978-1-4612-2600-0; Li et al. 2019, Eqs 8-15). 2 x 2 blocks are a I + b J, with J the turn by 90 degrees.
 """
 
 import math
@@ -38,7 +38,7 @@ class NaturalCoordinates(BodyKind[Body]):
         row["w11"], row["w22"], row["w12"], row["x12"] = inverse_mass_parameters(*mass)
 
     def fill_marker(self, body: Body, row: np.void, first: int, point: Point) -> None:
-        """Write marker `row` (direction: p2 - p1) for a body-frame `point` [m]; `first`: index of first coordinate."""
+        """Write to `row` a marker at body-frame `point` [m], directed from base point p1 (index `first` in q) to p2."""
         along, across = point[0] / body.length, point[1] / body.length
         row["i1"], row["i2"], row["c1"] = first, first + 2, -1.0
         row["a1"], row["b1"], row["a2"], row["b2"] = 1.0 - along, -across, along, across
@@ -63,14 +63,14 @@ class NaturalCoordinates(BodyKind[Body]):
         return force
 
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Return both base points (..., 2, 2) [m]."""
+        """Return the two base points (..., 2, 2) [m], the axis's ends, from `q` (..., 4); ignore other arguments."""
         return q.reshape(*q.shape[:-1], 2, 2).copy()
 
 
 def mass_parameters(
     mass: float, inertia: float, length: float, centroid: tuple[float, float]
 ) -> tuple[float, float, float, float]:
-    """Return the blocks (m11, m22, m12, n12) [kg] of the mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]].
+    """Return the factors (m11, m22, m12, n12) [kg] in the mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]].
 
     `centroid`: position [m] along and across the line p1 -> p2, measured from p1. J is the rotation by 90 degrees.
     """
@@ -81,7 +81,10 @@ def mass_parameters(
 
 
 def inverse_mass_parameters(m11: float, m22: float, m12: float, n12: float) -> tuple[float, float, float, float]:
-    """Return the blocks (w11, w22, w12, x12) [1/kg] of the inverse mass matrix, placed as in `mass_parameters`."""
+    """Return (w11, w22, w12, x12) [1/kg] in the inverse mass matrix [[w11 I, w12 I + x12 J], [(..)^T, w22 I]].
+
+    The mass matrix is [[m11 I, m12 I + n12 J], [(..)^T, m22 I]], with factors in kg; J is the rotation by 90 degrees.
+    """
     determinant = m11 * m22 - m12**2 - n12**2
     return m22 / determinant, m11 / determinant, -m12 / determinant, -n12 / determinant
 
@@ -176,7 +179,7 @@ def project_length(body, q, v):
 
 @kernel
 def stretch_along(body, q, x, y):
-    """Return the scalar product of p2 - p1 with (x, y), the motion of p2 minus the motion of p1."""
+    """Return the scalar product of (x, y), a motion of base point p2 relative to p1, with the vector p2 - p1 at `q`."""
     k = body.offset
     return (q[k + 2] - q[k]) * x + (q[k + 3] - q[k + 1]) * y
 
@@ -203,7 +206,7 @@ def add_length_force(body, q, multiplier, out):
 
 @kernel
 def add_length_border(body, q, row, elimination, matrix):
-    """Add the length constraint's gradient to its multiplier's row and column, number `row`, of a profile matrix."""
+    """Add a length constraint's gradient to multiplier `row`'s row and column of `matrix`, ordered by `elimination`."""
     k = body.offset
     for axis in range(2):
         d = q[k + 2 + axis] - q[k + axis]

@@ -19,7 +19,7 @@ from solar_env.mechanics.numerics.jit import kernel
 
 @kernel
 def view_joint(model, state, j):
-    """Return the angles, rates and eccentricity of joint `j` that a controller may observe."""
+    """Return joint `j`'s `JointView`: angle, rate, its inboard body's angle and spin, and the eccentricity vector."""
     joint = model.joints[j]
     angle, rate, _, spin = joint_motion(joint, model.markers, state.q, state.v)
     x, y = direction(model.markers[joint.inboard], state.q)
@@ -46,7 +46,7 @@ class AbsoluteCoordinates(Formulation):
         return float(position), float(velocity_drift(model, state.q, state.v, time, work))
 
     def joint_loads(self, model: Model, state: State) -> Array:
-        """Return the joint-load table (joints, LOAD_COLUMNS), with multipliers that satisfy the constraints."""
+        """Return joints' motion, forces and torques (joints, LOAD_COLUMNS), solving anew for the constraint forces."""
         return _evaluate(model, state)[0].loads
 
     def stored_energies(self, model: Model, state: State) -> Array:
@@ -77,7 +77,7 @@ class AbsoluteCoordinates(Formulation):
         return KINDS[row["kind"]].centreline(row, of_body, points_per_element)
 
     def modal_range(self, model: Model, state: State) -> tuple[float, float]:
-        """Return (0, 0), end slope [rad] and spin / lowest frequency of modal panels: there are no such panels here."""
+        """Return zero for modal panels' end slope [rad] and for their spin / lowest frequency: no panel is modal."""
         return 0.0, 0.0
 
     def constraint_force_defect(self, model: Model, state: State) -> tuple[float, float]:

@@ -176,7 +176,7 @@ class _Compiler:
         return np.concatenate([kind.weight(body, self.mechanism.gravity) for kind, body in self._kinds_and_bodies()])
 
     def _loads(self, force: NDArray[np.float64]) -> NDArray[np.void]:
-        """Add the generalized forces of constant load forces to `force` (n,); return the records of load torques."""
+        """Add load forces (constant generalized forces) to `force` (n,); return (marker, load torque) records."""
         rows = []
         for load in self.mechanism.loads:
             k = self._marker(load.body, load.point)

@@ -25,7 +25,8 @@ _INNER, _OUTER, _TURN, _LENGTH = range(4)
 def add_cable_slopes(model, cable, q, v, tangent, by_q):
     """Subtract a cable loop's dQ/dq from the profile matrix `by_q`, where Q are the loop's generalized forces.
 
-    `tangent` must hold the joints' coordinates and angle gradients, `by_q` the Hessian terms of the loop's torques.
+    The terms with Hessians of the bodies' direction angles must already be in `by_q`: `fill_tangents` enters them with
+    the joints' whole torques. `tangent` must hold the joints' loads, angle gradients and indices of coordinates.
     """
     joints, markers, elimination, loads = model.joints, model.markers, model.elimination, tangent.loads
     a, o = cable.joint_a, cable.joint_b
@@ -57,8 +58,9 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 def add_chord_slopes(model, cable, q, torque, tangent, by_q):
     """Write the gradients of a cable loop's wheel angles, chord angle and chord length to `tangent.cable_gradient`.
 
-    Wheel angles are measured from the chord, the line between the wheels. In `by_q`, the Hessian terms of the loop's
-    `torque` [N m] therefore move from the body between the joints to the chord.
+    `by_q`, the profile matrix of -dQ/dq, already has Hessians of the direction angles of the body between the joints,
+    times the torques on this body due to the loop's `torque` [N m]. Replace these terms by the sum of the torques times
+    the Hessian of the angle of the chord, the line between the wheels: the loop acts on the chord's ends instead.
     """
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]

@@ -61,7 +61,10 @@ def fill_column(model, work, r):
 
 @kernel
 def fill_columns(model, work, driven):
-    """Call `fill_column` for drive rows (`driven` true) or others; write rows times columns to `work.free_schur`."""
+    """Write M^-1 times constraint rows of drives (`driven` true) or of ideal joints (false) to rows of `work.columns`.
+
+    Their products with all constraint rows go to `work.free_schur`, to the rows and columns with the same numbers.
+    """
     m = work.columns.shape[0]
     for r in range(m):
         if model.constraints.driven[r] == driven:
@@ -136,7 +139,7 @@ def build_schur(model, q, work):
 
 @kernel
 def add_columns(model, work, multipliers, x):
-    """Add -multipliers[r] * work.columns[r] for every row r to `x` (n,), on bodies without a length constraint."""
+    """Subtract M^-1 A^T `multipliers` (A: constraint rows) from `x` (n,), except in the entries of rigid bodies."""
     bodies, columns = model.bodies, work.columns
     for r in range(columns.shape[0]):
         for side in range(2):
@@ -149,7 +152,7 @@ def add_columns(model, work, multipliers, x):
 
 @kernel
 def subtract_response(model, q, work, multipliers, x):
-    """Subtract from `x` (n,) the accelerations due to linear constraints' `multipliers`; bodies keep their lengths."""
+    """Subtract from `x` (n,) accelerations due to linear constraints' `multipliers`, while rigid lengths stay fixed."""
     bodies, row_force, solution = model.bodies, work.row_force, work.solution
     for i in range(row_force.size):
         row_force[i] = 0.0

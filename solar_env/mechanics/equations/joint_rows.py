@@ -54,7 +54,8 @@ def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: 
     """Write a cable loop's parameters to its record (`model.cable_type`); the joints' records must have their markers.
 
     Raises:
-        ValueError: if the joints do not allow the chord that the loop needs, or if its wheels do not fit between them.
+        ValueError: if the joints are not on the axis of the body between them, although the loop measures its wheels'
+            angles from the line between joints (`chord_sense`), or if its wheels do not fit between the joints.
     """
     places = {joint.name: k for k, joint in enumerate(mechanism.joints)}
     a, b = (record["joint_a"], record["joint_b"]) = places[cable.joint_a], places[cable.joint_b]
@@ -76,9 +77,10 @@ def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: 
 
 
 def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
-    """Enter a cable loop's chord in its `record`, as the indices of the two markers that it connects.
+    """Write the indices of the markers at both ends of a cable loop's chord, the line between its wheels, to `record`.
 
-    They lie on the body between the joints, or on the wheels if the loop pulls on the bearings (has a wheel radius).
+    `joints` are the records of all joints. The markers lie on the body between the loop's joints or, if the loop pulls
+    on the bearings (has a wheel radius), on the two bodies to which its wheels are fixed.
     """
     ends = ("inboard", "outboard") if record["wheel_radius"] > 0.0 else ("outboard", "inboard")
     record["first"], record["last"] = joints[record["joint_a"]][ends[0]], joints[record["joint_b"]][ends[1]]
@@ -87,7 +89,8 @@ def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
 def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:
     """Return 1 if the axis of the body between a cable loop's joints runs from joint a to joint b, -1 if from b to a.
 
-    Return 0 if the loop needs no chord: the body is rigid, and the loop does not pull on the bearings.
+    With this sign, the wheels' angles are measured from the chord, the straight line between the joints. Return 0 if
+    they are measured from the body itself: it is rigid, and the loop does not pull on the bearings.
 
     Raises:
         ValueError: if a chord is needed and the joints are not at two points of the body's axis.

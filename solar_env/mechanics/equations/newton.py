@@ -26,7 +26,7 @@ class NewtonMatrices(NamedTuple):
 
 
 def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
-    """Allocate Newton's matrix and its parts, and compute the mass part."""
+    """Return Newton's matrix, its mass, damping and stiffness parts, and work arrays; only the mass is computed yet."""
     mass = make_profile_matrix(model.elimination)
     fill_mass(model, mass)
     return NewtonMatrices(
@@ -62,9 +62,10 @@ def _weighted_sum(mass, damping, stiffness, weights, out):
 
 @kernel(inlined=False)
 def assemble(model, q, multipliers, row_value, newton, weights):
-    """Write mass, damping and stiffness times `weights`, bordered by constraint gradients, to `newton.matrix`.
+    """Write the sum a M + b C + c K, bordered by the constraints' gradients, to `newton.matrix`.
 
-    The length constraints' `multipliers` add to the stiffness.
+    M, C and K are mass, damping and stiffness in `newton`, and `weights` is (a, b, c). `row_value` has the gradients of
+    the linear constraints. The length constraints' Hessians times their `multipliers` are added to K.
     """
     elimination, constraints, matrix = model.elimination, model.constraints, newton.matrix
     mass, damping, stiffness = newton.mass, newton.damping, newton.stiffness

@@ -125,9 +125,9 @@ def applied_forces(model, joint_states, q, v, work):
 
 @kernel
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """Compute accelerations `a` (n,), and loads and powers in `work`; return False if constraints are redundant.
+    """Write accelerations to `a` (n,), joint loads and powers to `work`; return False if constraints are redundant.
 
-    `multipliers` receives one value per linear constraint row, then one per body for the body's length.
+    `multipliers` gets one value per linear constraint, then one per body: of a rigid body's constant length, or zero.
     """
     force = work.force
     rows = work.residual.size
@@ -141,7 +141,10 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 @kernel(inlined=False)
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """Call `inlined_accelerations`, compiled only once: compiling it anew inside every caller would take long."""
+    """Write accelerations to `a` (n,), joint loads and powers to `work`; return False if constraints are redundant.
+
+    This is `inlined_accelerations` compiled only once: compiling it anew inside every caller would take long.
+    """
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 

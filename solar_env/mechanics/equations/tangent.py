@@ -86,7 +86,7 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
     """Add derivatives of contact loads p(x, x') to the (4, 4) matrices `stiffness`, dp/dx, and `damping`, dp/dx'.
 
     p: force x, force y, outboard torque, inboard torque. x: eccentricity x and y, outboard angle, inboard angle.
-    Return the tangential force [N] and its lever [m] about the bearing's centre.
+    Return the tangential force [N] and its lever [m] about the bearing's centre. Spins are angular velocities [rad/s].
     """
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)

@@ -27,9 +27,9 @@ _MOST_CUTS = 20
 
 @kernel
 def event_function(model, state, settings, arrays, j, kind, h, share):
-    """Return the value that rises through zero at event `kind` of joint `j`, at fraction `share` of a step `h` [s].
+    """Return, at fraction `share` of a step `h` [s], the value whose rise through zero is event `kind` of joint `j`.
 
-    It is a penetration depth [m], or the angle by which the joint is past its lock angle or in a stop [rad].
+    It is the penetration [m], or the angle [rad] past the lock angle or into a stop. `arrays` hold the step's motion.
     """
     if kind == CONTACT_START:
         return depth_of(settings)(model, state, arrays, j, h, share)
@@ -42,9 +42,9 @@ def event_function(model, state, settings, arrays, j, kind, h, share):
 
 @kernel
 def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high):
-    """Return the fraction of a step at which the event function has just risen through zero, by Illinois iteration.
+    """Return the fraction of a step `h` [s] just after contact start, latching or stop (`kind`) of joint `j`.
 
-    The root lies between the fractions `low` and `high`, where the function has the values `f_low` and `f_high`.
+    Illinois iteration finds the root of `event_function`, which is `f_low` and `f_high` at the fractions `low`, `high`.
     """
     for _ in range(60):
         if high - low < 1e-12 or f_high == 0.0:
@@ -67,7 +67,7 @@ def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high)
 
 @kernel
 def first_rise(model, state, settings, arrays, j, kind, h):
-    """Return the fraction of a step at which the event function first rises through zero; 2 if it does not rise."""
+    """Return the step fraction of joint `j`'s first event `kind` (contact start, latching or stop); 2 without event."""
     low, f_low = 0.0, event_function(model, state, settings, arrays, j, kind, h, 0.0)
     for k in range(1, _LOOKS + 1):
         high = k / _LOOKS
@@ -82,7 +82,7 @@ def first_rise(model, state, settings, arrays, j, kind, h):
 
 @kernel
 def first_event(model, state, settings, arrays, h):
-    """Return the first contact start, latching or stop engagement in a step `h` [s]: (fraction, joint, event kind)."""
+    """Return (fraction, joint, event kind) of the first contact start, latching or stop in the step `h` in `arrays`."""
     share, which, what = 1.0, np.int64(-1), NO_EVENT
     for j in range(model.joints.size):
         joint, joint_state, number = model.joints[j], state.joints[j], np.int64(j)
@@ -111,11 +111,12 @@ def is_passed(model, state, settings, arrays, j, kind, h, sign):
 
 @kernel
 def place_of_event(model, state, settings, arrays, h, joint, kind):
-    """Find where the step `h` [s] must end; return (fraction of it, joint, event kind, whether to solve it again).
+    """Return where the step `h` [s] must end: (fraction of it, joint, event kind, whether to solve to there again).
 
-    A step that was shortened to the event `kind` of `joint` moves slightly differently, and a long step's interpolant
-    misses vibrations. All joints are therefore checked again after every cut. The fraction is 1 if the step ends
-    unchanged; fraction * h is at most SMALLEST_PART [s] if the event is at the step's start.
+    If the step has been cut before, to end at an event, `joint` and `kind` are this event; otherwise they are unused.
+    The solution of a cut step differs slightly, and a long step's interpolant misses vibrations. All joints are
+    therefore checked again after every cut. The fraction is 1 if the step ends unchanged; fraction * h is at most
+    SMALLEST_PART [s] if the event is at the step's start.
     """
     cuts = arrays.trial[0].cuts
     share, other, found = first_event(model, state, settings, arrays, h)
@@ -133,7 +134,7 @@ def place_of_event(model, state, settings, arrays, h, joint, kind):
 
 @kernel(inlined=False)
 def begin_event(model, state, settings, arrays, j, kind, time, speed):
-    """Begin an event of joint `j` at `time` [s]: latch, engage a stop, or start contact at approach `speed` [m/s]."""
+    """Begin event `kind` of joint `j` at `time` [s]: latch, stop or contact at `speed` [m/s]; `arrays`: work arrays."""
     joint, joint_state = model.joints[j], state.joints[j]
     if kind == LATCHING:
         latch(model.joints, state, j, time)
@@ -153,7 +154,7 @@ def begin_event(model, state, settings, arrays, j, kind, time, speed):
 
 @kernel
 def begin_passed_events(model, state, settings, arrays, start, h):
-    """Begin the events that an accepted step `h` [s] from `start` [s] has passed, at interpolated times."""
+    """Start contacts and latch joints that an accepted step `h` from `start` [s] reached, at interpolated times."""
     for j in range(model.joints.size):
         joint, motion = model.joints[j], arrays.motion[j]
         if joint.kind == CLEARANCE and not state.joints[j].in_contact and motion.depth > 0.0:

@@ -63,7 +63,7 @@ _MOST_EVENTS_AT_ONCE = 1000
 
 @kernel
 def record_until(model, state, settings, arrays, recorder, h, end):
-    """Record all samples that are due up to the time `end` [s] in a step of size `h` [s]."""
+    """Record all samples that are due up to `end` [s] in the step `h` [s] that the work arrays `arrays` hold."""
     start = state.clock[0].time
     while sample_due(recorder, end):
         share = min(max((recorder.times[recorder.filled[0]] - start) / h, 0.0), 1.0) if h > 0.0 else 0.0
@@ -181,7 +181,7 @@ def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
 
 @kernel
 def begin_at_once(model, state, settings, arrays, joint, kind):
-    """Begin an event at the accepted state, without taking a step; return a status code."""
+    """Begin event `kind` (contact, latch, stop) of `joint` at `state`, without taking a step; return a status code."""
     trial = arrays.trial[0]
     trial.at_once += 1
     if trial.at_once > _MOST_EVENTS_AT_ONCE:
@@ -198,7 +198,7 @@ def begin_at_once(model, state, settings, arrays, joint, kind):
 
 @kernel
 def check_state(model, state, arrays):
-    """Check that the state is finite, with depths and angles in the model's range; return a status code."""
+    """Check that `state` is finite, and depths and angles in `arrays.motion` are in range; return a status code."""
     if not (all_finite(state.q) and all_finite(state.v)):
         return fail(state, m.NOT_FINITE, -1, math.nan)
     for j in range(model.joints.size):
@@ -242,7 +242,7 @@ def take_step(model, state, settings, recorder, end_time, arrays):
 
 @kernel
 def advance(model, state, settings, recorder, end_time, steps_left, arrays):
-    """Advance `state` in place to `end_time` [s]; return a status code, and the number of allowed steps left.
+    """Advance `state` to `end_time` [s], using the method's work `arrays`; return a status code, and the steps left.
 
     A call that stops at the step limit does not shorten its last step: continuing the run gives bit-identical results.
     """

@@ -26,8 +26,8 @@ class RungeKutta:
             positions relative to the longest body.
         velocity_scale: velocity that is added to |velocity| in the tolerance [m/s].
         max_step: longest step [s].
-        impact_resolution: least number of steps per predicted duration of an impact, `fewest_steps` or more.
-        max_steps: most steps per call of `advance`, also rejected; the default takes about a minute with rigid panels.
+        impact_resolution: least number of steps per predicted duration of an impact; 4 (`fewest_steps`) or more.
+        max_steps: most steps, rejected or not, per `advance` call; the default takes about a minute with rigid panels.
         name: name of the integration method. Every method has this and the following class attributes.
         takes_drives: whether mechanisms may have drives.
         settles_forces: whether multipliers approach the constraint forces only some steps after a change of step size.
@@ -74,9 +74,9 @@ class RungeKutta:
 class Rosenbrock(RungeKutta):
     """Settings of explicit Runge-Kutta with linearly implicit steps where they save time (`methods/rosenbrock.py`).
 
-    Stiff vibrations of flexible bodies do not bound linearly implicit steps. In impacts, and wherever accuracy needs
-    short steps anyway, steps remain explicit. With flexible bodies the explicit steps' velocity scale shrinks while all
-    bodies are slow, because impacts amplify earlier errors. Mechanisms with drives are refused.
+    Stiff vibrations of flexible bodies do not limit the size of linearly implicit steps. In impacts, and wherever
+    accuracy needs short steps anyway, steps remain explicit. Impacts amplify earlier errors: with flexible bodies, a
+    smaller velocity_scale tightens the tolerance of explicit steps while all bodies are slow. Drives are refused.
     """
 
     rtol: float = 1e-4
@@ -87,11 +87,11 @@ class Rosenbrock(RungeKutta):
 
 @dataclass(frozen=True)
 class ModalRadau(RungeKutta):
-    """Settings of three-stage Radau IIA for rigid bodies and modal panels; its unknowns are the joint loads (`modal`).
+    """Settings of three-stage Radau IIA for rigid bodies and modal panels; it solves for forces and torques in joints.
 
-    A velocity's tolerance [m/s] is rtol * velocity_scale. If every joint has clearance, the fastest hinge rate times
-    the longest body's length replaces velocity_scale where it is less, but not below velocity_scale / 100. Errors of
-    contact depths are relative to the depths. Mechanisms with drives or loads are refused.
+    A velocity's tolerance [m/s] is rtol * velocity_scale. If every joint has clearance, slow hinges reduce this scale
+    to the present fastest hinge rate times the longest body's length, but not below velocity_scale / 100. Errors of
+    contact depths are relative to the depths. Mechanisms with drives or external loads are refused.
     """
 
     rtol: float = 4e-3
@@ -114,7 +114,7 @@ class GeneralizedAlpha:
         step: longest step [s]; a call of `advance` is divided into equal steps.
         rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives Newmark's trapezoidal scheme, beta = 1/4,
             gamma = 1/2.
-        newton_tolerance: tolerance of a Newton correction, relative to the length scale.
+        newton_tolerance: tolerance of a Newton correction of coordinates, relative to the longest body's length.
         max_steps: most steps per call of `advance`; the default takes about a minute with rigid panels.
     """
 

@@ -6,12 +6,13 @@ hinge, and the wheels' angles are measured relative to this chord. On a rigid ca
 angle. On a carrier that bends, the loop's generalized forces are its torques times the gradients of the wheels' angles:
 the loop pulls at the hinges, across the chord, and exerts no torque on the carrier's ends.
 
-A loop that pulls on the bearings (Eq 3) runs between the wheels' centres, which differ from the hinges by the
-clearances. The wheels' radii are r1 and r2, the distance of their centres is d. As d grows, each strand lengthens with
-sqrt(d^2 - (r1 - r2)^2) + (r1 - r2) asin((r1 - r2) / d), whose slope by d is cos phi with sin phi = (r1 - r2) / d.
-Tensions F1 and F2 exert torques (F1 - F2) r1 and (F1 - F2) r2 on the wheels. On the wheels' centres they exert (F1 +
-F2) cos phi along the line of centres and (F1 - F2) sin phi across it, so that the forces have a potential; Li et al.
-print (F1 + F2) sin phi. Where both joints' angles grow in the same sense, the strands cross: r1 + r2 replaces r1 - r2.
+A loop with a given wheel radius also pulls on the bearings (Eq 3). It runs between the wheels' centres, which differ
+from the hinges by the clearances. The wheels' radii are r1 and r2, the distance of their centres is d. As d grows, each
+strand lengthens with sqrt(d^2 - (r1 - r2)^2) + (r1 - r2) asin((r1 - r2) / d), whose slope by d is cos phi with sin phi
+= (r1 - r2) / d. The two strands' tensions F1 and F2 exert torques (F1 - F2) r1 and (F1 - F2) r2 on the wheels. On the
+wheels' centres they exert (F1 + F2) cos phi along the line of centres and (F1 - F2) sin phi across it, so that the
+forces have a potential; Li et al. print (F1 + F2) sin phi for the component across it. Where both joints' angles grow
+in the same sense, the strands cross: r1 + r2 replaces r1 - r2.
 """
 
 import math
@@ -92,7 +93,7 @@ def chord(cable, markers, q):
 
 @kernel
 def wheel_motion(cable, joints, markers, q, inner, outer):
-    """Return a cable loop's wheel angle mismatch [rad] and chord length [m] at joint angles `inner`, `outer` [rad]."""
+    """Return wheel ratio * inner - outer wheel angle [rad], and chord length [m], at joint angles `inner`, `outer`."""
     length = 0.0
     if cable.chord_sense != 0:
         a, b = joints[cable.joint_a], joints[cable.joint_b]
@@ -106,7 +107,7 @@ def wheel_motion(cable, joints, markers, q, inner, outer):
 
 @kernel
 def inner_wheel_rate(cable, joints, markers, q, v, rate):
-    """Return the rate [rad/s] of the inner wheel's angle relative to the chord; `rate` is the inner joint's [rad/s]."""
+    """Return the inner wheel's rate [rad/s] against the line between a loop's joints; `rate` is the inner joint's."""
     if cable.chord_sense != 0:
         a = joints[cable.joint_a]
         x, y = chord(cable, markers, q)
@@ -125,9 +126,9 @@ def end_torques(cable, joints, torque):
 
 @kernel
 def chord_force(cable, markers, q, moment, pull):
-    """Return the force (x, y) [N] on the outer end of a cable loop's chord; the opposite force acts on its inner end.
+    """Return the force (x, y) [N] on the outer end of a cable loop's chord, the line from inner to outer joint.
 
-    The two forces exert `moment` [N m] on the chord and pull its ends together with `pull` [N].
+    With the opposite force on the inner end it exerts `moment` [N m] on the chord; `pull` [N] draws the ends together.
     """
     x, y = chord(cable, markers, q)
     square = x * x + y * y
@@ -139,8 +140,9 @@ def chord_force(cable, markers, q, moment, pull):
 def move_to_chord(cable, joints, markers, q, torque, pull, force):
     """Replace, in the generalized `force`, a cable loop's torques on its carrier by forces at the ends of its chord.
 
-    The carrier is the body between the loop's joints. `torque` acts on the outer joint [N m], `pull` on the wheels'
-    centres [N]. The loop must have a chord.
+    The carrier is the body between the loop's joints, the chord is the line between these joints. `torque` acts on the
+    outer joint [N m]; `pull` [N] draws the wheels' centres together. The loop must have a chord (`chord_sense` not 0),
+    as it has if the carrier bends or if the loop pulls on the bearings.
     """
     inner, outer = end_torques(cable, joints, torque)
     add_torque(markers[joints[cable.joint_a].outboard], q, -inner, force)

@@ -39,7 +39,10 @@ class ContactMotion(NamedTuple):
 
 @kernel
 def sliding_share(joint, depth):
-    """Return the slope of the sliding speed (see `joint.sliding`) by the centres' relative speed, at a `depth` [m]."""
+    """Return the partial derivative of the sliding speed with respect to the centres' relative speed at `depth` [m].
+
+    `joint.sliding` defines the sliding speed. The derivative is 1; for PLACES, in contact, depth / (clearance + depth).
+    """
     if joint.sliding == PLACES:
         return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
     return 1.0 + 0.0 * depth
@@ -92,9 +95,10 @@ def normal_force(joint, depth, rate, impact_speed):
 def depth_under(joint, load, rate, impact_speed, give):
     """Return the depth [m] at which a contact carries a `load` [N], and the force's slopes by depth and rate there.
 
-    `rate` is the depth's rate [m/s], `give` the yielding of both bodies per unit force [m/N]; these and `load` are
-    vectors. All three results are zero, for the caller to use the present depth instead, where the surfaces part fast
-    or carry no load, and where the contact is no stiffer than its bodies: slope by depth at most 1 / `give`.
+    `rate` is the depth's rate [m/s], and `give` is how far both bodies yield per unit force [m/N]. `load`, `rate` and
+    `give` are vectors with an element per stage of a step. All three results are zero where the surfaces part fast or
+    carry no load. They are zero, too, where the contact is no stiffer than its bodies: where its slope by depth is at
+    most 1 / `give`. The caller then uses the present depth.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     bracket = 1.0 + damping * rate

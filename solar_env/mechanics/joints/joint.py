@@ -73,7 +73,8 @@ def joint_motion(joint, markers, q, v):
 def joint_torques(model, joint_states, q, v, loads, force, power):
     """Write every joint's angle, rate, spins and torques to `loads`, and the torques' powers to `power`.
 
-    Here `force` gets only corrections for cable loops (`move_to_chord`); `joint_forces` adds the torques afterwards.
+    `joint_forces` adds these torques to the generalized `force` (n,) afterwards. Here `force` gets, in advance,
+    a correction: `move_to_chord` replaces a cable loop's torques on the body between its two joints by forces at them.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):
@@ -102,10 +103,10 @@ def joint_torques(model, joint_states, q, v, loads, force, power):
 
 @kernel
 def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
-    """Write the motion, forces and torques of all joints to `loads`, and the rates of their time integrals to `power`.
+    """Write the motion, forces and torques of all joints to `loads`, and their powers and impulse rates to `power`.
 
-    Add the generalized forces to `force`. The integrals are works, dissipations and impulses. Where a joint's impact
-    speed is zero, the journal flies freely and no contact force acts in this step.
+    Add the generalized forces to `force`. `power` has the rates of all works, dissipations and impulses. Where a
+    joint's impact speed is zero, the journal flies freely and no contact force acts in this step.
     """
     joint_torques(model, joint_states, q, v, loads, force, power)
     joints, markers = model.joints, model.markers

@@ -55,10 +55,11 @@ class PowerLaw:
         require(1.0 <= self.exponent <= 2.0, self, "exponent", self.exponent, "must lie between 1 and 2")
 
     def parameters(self) -> tuple[float, ...]:
-        """Return (K, n, d, T): T is an undamped impact's duration in units of greatest depth divided by impact speed.
+        """Return (K, n, d, T): the constants of F = K depth^n (1 + d rate / v), and an undamped impact's duration T.
 
-        T is twice the integral of dx / sqrt(1 - x^(n+1)) from 0 to 1: 2 sqrt(pi) Gamma(1 + p) / Gamma(1/2 + p) with p =
-        1 / (n + 1); 2.94328 for n = 1.5 (K. L. Johnson, Contact Mechanics, 1985, section 11.4).
+        T is in units of greatest depth divided by impact speed v. It is twice the integral of dx / sqrt(1 - x^(n+1))
+        from 0 to 1: 2 sqrt(pi) Gamma(1 + p) / Gamma(1/2 + p) with p = 1 / (n + 1); 2.94328 for n = 1.5 (K. L. Johnson,
+        Contact Mechanics, 1985, section 11.4).
         """
         p = 1.0 / (self.exponent + 1.0)
         duration = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + p) / math.gamma(0.5 + p)
@@ -133,7 +134,7 @@ class Surfaces:
 
 
 def lankarani_damping(restitution: float) -> float:
-    """Return the damping factor 3 (1 - e^2) / 4, for restitutions e near 1; its exit speed ratio is at least 0.66."""
+    """Return the damping factor 3 (1 - e^2) / 4, for restitutions e near 1; even e = 0 leaves 66 % of the speed."""
     return 0.75 * (1.0 - restitution**2)
 
 
@@ -155,10 +156,11 @@ def exact_damping(restitution: float) -> float:
 
 
 def sphere(surfaces: Surfaces, damping: float) -> PowerLaw:
-    """Return the contact law of a sphere in a spherical seat, F = K depth^1.5 (1 + d rate / v).
+    """Return the contact law of a sphere in a spherical seat, F = K depth^1.5 (1 + `damping` * rate / impact speed).
 
-    Unless `surfaces` gives it, K = 4 / (3 (h_b + h_j)) sqrt(R_b R_j / (R_b - R_j)) [N/m^1.5] with h = (1 - nu^2) / E:
-    W. Goldsmith, Impact (1960); Eq 40 of Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188.
+    Unless `surfaces` gives it, K = 4 / (3 (h_b + h_j)) sqrt(R_b R_j / (R_b - R_j)) [N/m^1.5] with h = (1 - nu^2) / E
+    and radius R of bearing (b) and journal (j): W. Goldsmith, Impact (1960); Eq 40 of Y. Li, C. Wang and W. Huang,
+    Mech. Syst. Signal Process. 117 (2019) 188.
     """
     if surfaces.stiffness is not None:
         return PowerLaw(surfaces.stiffness, 1.5, damping)
@@ -170,10 +172,11 @@ def sphere(surfaces: Surfaces, damping: float) -> PowerLaw:
 def cylinder(surfaces: Surfaces, restitution: float) -> PowerLaw:
     """Return the contact law of a cylinder in a cylindrical seat with parallel axes: a journal in a long bearing.
 
-    F = (0.965 c + 0.0965) L E* / c depth^n (1 + 3 (1 - e^2) / 4 rate / v) with n = Y c^-0.005, in N, mm and MPa. Here c
-    is the difference of the radii; Y = 1.51 ln(1000 c)^-0.151 for c below 0.34954, else 0.0151 c + 1.151. This law fits
-    K. L. Johnson's implicit line contact (Contact Mechanics, 1985): C. Pereira, A. Ramalho and J. Ambrosio, Nonlinear
-    Dyn. 63 (2011) 681, doi:10.1007/s11071-010-9830-3; Multibody Syst. Dyn. 35 (2015) 277,
+    F = K depth^n (1 + d rate / v) with impact speed v and d = 3 (1 - e^2) / 4, where e is the restitution. In N, mm and
+    MPa, K = (0.965 c + 0.0965) L E* / c and n = Y c^-0.005. Here c is the difference of the radii, L the bearing's
+    length, E* the composite modulus; Y = 1.51 ln(1000 c)^-0.151 for c below 0.34954, else 0.0151 c + 1.151. This law
+    fits K. L. Johnson's implicit line contact (Contact Mechanics, 1985): C. Pereira, A. Ramalho and J. Ambrosio,
+    Nonlinear Dyn. 63 (2011) 681, doi:10.1007/s11071-010-9830-3; Multibody Syst. Dyn. 35 (2015) 277,
     doi:10.1007/s11044-015-9449-x.
 
     Raises:

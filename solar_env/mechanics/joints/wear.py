@@ -3,7 +3,7 @@
 Archard's law is dh = k p ds: wear depth h, coefficient k, pressure p, sliding distance s (J. F. Archard, J. Appl. Phys.
 24 (1953) 981, doi:10.1063/1.1721448). The pressure is uniform over the arc that the journal presses into the bearing,
 so that the worn volume of either surface is exactly k * integral of (normal force * sliding speed) dt. During a step
-the pressed arc moves at constant speed along a second arc.
+the middle of the pressed arc moves at constant speed along a second arc, the path of the contact on the surface.
 """
 
 import math
@@ -23,8 +23,9 @@ def pressed_half_angle(depth, clearance):
 def share_below(angle, wide, narrow):
     """Return the fraction of a step's wear at angles below `angle` [rad], measured from the middle of the worn zone.
 
-    A pressed arc moves along a second arc; `wide` and `narrow` are the greater and the smaller of their half angles
-    [rad]. The worn depth is uniform in the middle, and falls off linearly to both sides.
+    The middle of the contact's arc moves at constant speed along a second arc, its path. `wide` is the half angle of
+    the wider arc, `narrow` of the narrower arc [rad]. The worn depth is the convolution of both arcs: uniform in the
+    middle, with a linear fall to both sides.
     """
     distance = abs(angle)
     rest = wide + narrow - distance

@@ -108,5 +108,5 @@ def free_beam(
     angle: float = 0.0,
     loads: tuple[Load, ...] = (),
 ) -> Mechanism:
-    """Return a beam without supports; `velocity` is its first end's velocity, and `loads` act on the body `BEAM`."""
+    """Return a beam without supports; `velocity` [m/s] is its first end's; `loads` must name `BEAM` as their body."""
     return Mechanism((beam.body(elements, angle, velocity, spin),), loads=loads)

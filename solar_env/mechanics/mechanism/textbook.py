@@ -155,8 +155,8 @@ def loaded_journal(
     """Return a journal of 1 kg, loaded by a force, in a bearing that is fixed to the ground.
 
     The journal starts at the depth that carries the load, at rest or turning. Driven at a constant rate, it slides and
-    wears. A free journal under a motor torque creeps at the sliding speed whose friction balances the torque; its
-    flywheel (0.01 kg m2) keeps it from rolling to and fro in the bearing.
+    wears. A free journal to which a caller adds a torque creeps at the sliding speed whose friction balances the
+    torque; its moment of inertia, 0.01 kg m2, keeps it from rolling to and fro in the bearing.
 
     Args:
         bearing: clearance, friction and wear.

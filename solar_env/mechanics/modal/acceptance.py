@@ -1,4 +1,4 @@
-"""Acceptance of a step: error in units of tolerances; update of modes, loads, greatest slopes and spins at its end."""
+"""Acceptance of a step: error divided by tolerance; modes and loads at the step's end; maxima of slope and of spin."""
 
 import math
 
@@ -43,9 +43,11 @@ def vibration_defect(panels, panel, free, held, d, h, kind, group):
     """Return the error [m/s] of a panel's end due to those vibrations of a mode `group` that a step cannot resolve.
 
     `kind` selects the error: 0 for the end's velocity, 1 for its deflection times the modes' frequencies. Deflections
-    that loads and foreshortening hold at the start of the step `h` [s] do not vibrate. Their errors are subtracted:
-    `held` has minus the errors per unit load, `free` the errors per start value and start rate of a mode. `d` is the
-    panel's design.
+    that loads and foreshortening hold at the start of the step `h` [s] do not vibrate: their errors are subtracted from
+    the free motion's, `panel.defect`. `held` (kinds, groups, VALUES) has minus the error of the deflection that a unit
+    load holds. For foreshortening, `free` (modes, 2 COLUMNS) has each mode's errors per unit start value and start
+    rate, in the lanes DEFECT_LANES. `panels` are the constants of all panel designs, and `d` is the panel's design;
+    `panel` also holds the panel's loads and the forces of foreshortening.
     """
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
@@ -71,9 +73,10 @@ def deviation(state, work, k):
 def step_error(model, state, work, settings, tables, level, h):
     """Return the error of a solved step `h` [s] in units of the tolerances: the greatest error of any load or panel.
 
-    A load's error is its `deviation`. If the previous step was over 100 times as long, a reaction's error is at most
-    its change from the first to the last stage. A panel's error is the difference between the computed and the exact
-    vibration of its ends. `level` is the index of the step size in the panels' response `tables`.
+    A load, of a joint or a cable loop, errs by the difference at the step's start between its value and the polynomial
+    through its values at the stages. If the previous step was over 100 times as long, the error of an ideal joint's
+    force is at most its change from the first to the last stage. A panel's error is the difference between the computed
+    and the exact vibration of its ends. `level` is the index of the step size in the panels' response `tables`.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -121,11 +124,12 @@ def put_number(array, k, number):
 
 @kernel
 def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
-    """Advance mode `k` of a panel over the step, or the four modes from `k` on: amplitudes `q` and rates `v`.
+    """Advance the amplitude in `q` and the rate in `v` of a panel's mode `k`, or of four modes from `k` on, by a step.
 
     Pass `number_at`, `put_number` as `take`, `put` for one mode, `load4`, `store4` for four. `ends` (END_ROWS, modes)
-    are responses at the step's end to start value, start rate and stage loads. A mode's load is the sum of the panel's
-    end loads `load` (2, stages) times its end values `shapes` (2, modes). Return (new rate * `frequency`)^2.
+    has the amplitude at the step's end per unit start amplitude, start rate and load at each stage, then the rate per
+    unit of each. A mode's load is the sum of the panel's end loads `load` (2, stages) times its end values `shapes` (2,
+    modes). `q`, `v`, `frequency` have an entry per mode. Return (new rate * `frequency`)^2, for the damping power.
     """
     value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
     moved = take(ends[0], k) * value + take(ends[1], k) * rate
@@ -144,7 +148,8 @@ def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
 def move_panel(panels, panel, ends, d, q, v):
     """Advance a panel's modal amplitudes `q` and rates `v` over the step; return its damping power [W] at the end.
 
-    `panel` holds the loads, `ends` the modes' responses to them (a part of `Tables.ends`); `d` is the panel's design.
+    `panels` has the constants of all panel designs, and `d` is the panel's design; `panel` holds its loads at the
+    stages. `ends` (END_ROWS, modes), for the step's size, has the modes' responses to start values and loads.
     """
     total = 0.0
     for group in range(GROUPS):

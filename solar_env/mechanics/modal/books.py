@@ -49,9 +49,10 @@ _WEIGHTS = np.array([*WEIGHTS, 0.0])  # weights of the stages in an integral ove
 
 @kernel
 def note_arcs(work, joint, scratch, slid):
-    """Store in `scratch.arcs` the arcs (middle, half angle) [rad] along which a contact slid on both bodies.
+    """Store in `scratch.arcs` the arc (middle, half angle) [rad] along which a contact slid on journal and on bearing.
 
-    Each arc has the mean and variance of the contact's angle, weighted by the sliding work `slid` [J] of the stages.
+    Row 0 is the journal's, row 1 the bearing's. The middle is the mean of the contact's angle over the stages, weighted
+    by their sliding work `slid` [J]; the half angle is sqrt(3) standard deviations.
     """
     motion, total = scratch.motion, sum_lanes(slid)
     if total > 0.0:
@@ -69,7 +70,7 @@ def note_arcs(work, joint, scratch, slid):
 
 @kernel
 def add_integrals(model, state, work, h):
-    """Add a step's contributions to the time integrals of all joints in `work`, from loads and motion at the stages.
+    """Add all joints' works, losses and impulses in the step `h` [s], which `work` describes, to `work.integrals`.
 
     A stop that lets go of its joint dissipates all its stored energy, whatever its torque does between the stages.
     """
@@ -137,7 +138,7 @@ def note_peaks(model, state, work, h, share):
 
 @kernel
 def panel_energies(model, body, q, v, work, energies):
-    """Add kinetic and strain energy [J] of a panel's amplitudes to `energies`; `work` must hold the same motion."""
+    """Add a panel's modal energies [J] to the kinetic and elastic `energies`; `work` holds the motion at `q`, `v`."""
     panels, d, first, panel = model.panels, body.design, body.offset + 3, work.panels[body.panel]
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
@@ -150,7 +151,7 @@ def panel_energies(model, body, q, v, work, energies):
 
 @kernel(inlined=False)
 def stored_energies(model, state, q, v, work, energies):
-    """Write to `energies` the stored energies [J] at `q` and `v`; `work` must hold the motion there (`look_at`)."""
+    """Write the energies [J] at `q`, `v` to `energies` in the order of `ENERGY_NAMES`; `work` must hold this motion."""
     energies[:] = 0.0
     for b in range(model.bodies.size):
         body = model.bodies[b]
@@ -183,7 +184,10 @@ def cubic(share, x0, r0, x1, r1):
 
 @kernel(inlined=False)
 def fill_load_table(model, state, work, loads, table):
-    """Fill `table`: joint motion from `work`, torques due to it, and forces from `loads`, ordered as `state.course`."""
+    """Fill `table` (joints, LOAD_COLUMNS): joint motion in `work`, torques due to this motion, and forces in `loads`.
+
+    `loads` has the torques of joints, torques and pulls of cable loops, and then two force components for each joint.
+    """
     for j in range(model.joints.size):
         joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
         first, second = loads[force_of(model, j)], loads[force_of(model, j) + 1]

@@ -59,10 +59,12 @@ def design(panel: ModalPanel) -> _Design:
 
 
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
-    """Rearrange the quadratic forms K (`project`) and S (`ends`) of `quadratic_forms` as (2, LOW, LOW, FORMS).
+    """Rearrange the matrices K (`project`) and S (`ends`) of `quadratic_forms` by parity, as (2, LOW, LOW, FORMS).
 
-    Axes: group of the first coordinate (even or odd modes), its index, the second coordinate's index, form. Odd forms
-    have both from one group, even forms one from each; all else is zero. `coupled`: number of bending modes.
+    Axes: parity of the first bending coordinate about the panel's middle (even, odd), its index in this group, the
+    second coordinate's index in its own group, form. Odd forms are K of odd axial modes and half the difference of both
+    ends' S; they couple coordinates of equal parity. Even forms are K of the even axial mode and half the sum of S;
+    they couple opposite parities. The first `coupled` coordinates of K and S are amplitudes of bending modes.
     """
     forms = np.zeros((2, LOW, LOW, FORMS))
     # The lowest bending modes are even and odd by turns; then come the end values of the other modes.
@@ -116,7 +118,8 @@ def _panel_constants(chosen: _Design) -> Panels:
 def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, Tables]:
     """Return constants and response tables of panel designs, which all simulations share and only read.
 
-    Damped modes respond exactly to steps whose size times the mode's angular frequency is at most `exact`.
+    The tables hold the motion of modes and ends under loads, for many step sizes h. A mode of angular frequency omega
+    responds exactly up to omega h = 2, a damped one up to omega h = `exact`, and others by the Radau method.
     """
     parts = [_panel_constants(chosen) for chosen in designs]
     joined = {
@@ -255,9 +258,9 @@ def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.v
 
 
 def _folded_angle(mechanism: Mechanism, k: int) -> float:
-    """Return the angle [rad] between joint `k`'s bodies at joint angle 0.
+    """Return the difference [rad] between the angles of joint `k`'s outboard and inboard bodies at joint angle 0.
 
-    Full turns are added so that the initial joint angle lies within pi of the joint's `middle`.
+    Full turns are added so that the initial joint angle lies within pi of `middle`, the middle of the angle's range.
     """
     joint = mechanism.joints[k]
     angles = {GROUND: 0.0, **{body.name: body.angle for body in mechanism.bodies}}

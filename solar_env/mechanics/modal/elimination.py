@@ -13,7 +13,7 @@ _SINGULAR = 1e-30  # least determinant of a diagonal block; rows are scaled to d
 
 @kernel
 def invert(matrix, q, inverse):
-    """Write the inverse of unknown `q`'s diagonal block to `inverse` (STAGES, LANES); return False if singular."""
+    """Write the inverse of unknown `q`'s 3 x 3 diagonal block to `inverse`, by column; return False if singular."""
     first, second, third = matrix[STAGES * q, q], matrix[STAGES * q + 1, q], matrix[STAGES * q + 2, q]
     a1, a2, a3, b1, b2, b3 = first[0], first[1], first[2], second[0], second[1], second[2]
     c1, c2, c3 = third[0], third[1], third[2]
@@ -35,11 +35,12 @@ def invert(matrix, q, inverse):
 
 @kernel
 def eliminate(matrix, inverses, first, end):
-    """Factor the matrix of unknowns `first` to `end` in place; return False if it is not positive definite.
+    """Factor the equations of unknowns `first` to `end` - 1 in place; return False if a diagonal block is singular.
 
     Args:
-        matrix: (STAGES R, R, LANES) of R unknowns, by column.
-        inverses: (R, STAGES, LANES) inverses of the diagonal blocks; written.
+        matrix: (STAGES R, R, LANES) of R unknown loads; [3 c + k, r, s] is the factor of load c at stage k in the
+            equation of load r at stage s. A fourth number on the last axis only fills a vector.
+        inverses: (R, STAGES, LANES) inverses of the 3 x 3 diagonal blocks, by column; written.
         first, end: first unknown, and the unknown after the last.
     """
     for q in range(first, end):
@@ -66,7 +67,7 @@ def eliminate(matrix, inverses, first, end):
 
 @kernel
 def substitute(matrix, inverses, first, end, residual, correction):
-    """Solve the factored system of unknowns `first` to `end`: write `correction` (R, LANES), overwrite `residual`."""
+    """Solve the factored equations `first` to `end` - 1 for `correction`; the right side `residual` is overwritten."""
     for q in range(first, end):
         for i in range(q + 1, end):
             subtract_product(matrix, q, i, residual[q], residual[i])
@@ -81,7 +82,7 @@ def substitute(matrix, inverses, first, end, residual, correction):
 
 @kernel
 def subtract_product(matrix, q, i, values, target):
-    """Subtract block (`i`, `q`) of the matrix, times the `values` at the stages, from `target` (LANES,), in place."""
+    """Subtract from `target` the 3 x 3 block in row `i` and column `q` of `matrix`, times `values` at the stages."""
     total = load4(target, 0)
     for k in range(STAGES):
         total = total - load4(matrix[STAGES * q + k, i], 0) * values[k]

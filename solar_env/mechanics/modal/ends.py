@@ -1,7 +1,7 @@
-"""Motion of a panel's ends as a sum over mode groups: at the stages of a step, or in a pose (one configuration).
+"""Motion of a panel's ends as a sum over even and odd modes: at the stages of a step, or in a pose (one configuration).
 
-Foreshortening is included: bending shortens a panel's axis, and tension acts on bending. Its quadratic forms and their
-source are in `foreshortening`. Vectors have one lane for each stage of a step; in a pose all lanes are equal.
+Foreshortening is included: bending shortens a panel's axis, and tension acts on bending. The module `foreshortening`
+derives its quadratic forms. Vectors have one lane for each stage of a step; in a pose all lanes are equal.
 """
 
 from solar_env.mechanics.modal.tables import (
@@ -42,7 +42,8 @@ from solar_env.mechanics.numerics.vectors import (
 def free_ends(panels, panel, tables, d, level, q, v):
     """Compute a panel's motion at the stages without loads, from amplitudes `q` and rates `v` at the step's start.
 
-    `panel.free` is for the ends, `panel.low_free` the lowest modes. `level`: step-size index in `tables`; `d`: design.
+    Write the ends' motion to `panel.free`, its errors to `panel.defect`, the lowest modes' motion to `panel.low_free`.
+    `d` is the index of the panel's design in `panels`, `level` the index of the step size in `tables`.
     """
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
@@ -65,7 +66,10 @@ def free_ends(panels, panel, tables, d, level, q, v):
 
 @kernel
 def forced_ends(panel, response, groups):
-    """Write the first `groups` mode groups' end motion to `panel.ends`: `panel.free` plus `response` times loads."""
+    """Write to `panel.ends` the ends' motion in the first `groups` mode groups (even, odd bending; even, odd axial).
+
+    It is the motion without loads, `panel.free`, plus `response`, the motion per unit load, times `panel.load`.
+    """
     for group in range(groups):
         for i in range(values_of(group)):
             total = load8(panel.free[group, i], 0)
@@ -77,7 +81,10 @@ def forced_ends(panel, response, groups):
 
 @kernel
 def add_modal_forces(panels, panel, forced, d):
-    """Add the motion due to foreshortening's modal forces to `panel.ends`; `forced`: motion per force; `d`: design."""
+    """Add to `panel.ends` the motion that foreshortening's forces on the lowest modes, `panel.coupling`, cause.
+
+    `forced` (GROUPS, LOW, BY_LOAD) is the modes' motion per unit force, `d` the panel's design, an index into `panels`.
+    """
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k, by_load, gain = panels.first[group] + r, forced[group, r], splat8(0.0)
@@ -89,7 +96,7 @@ def add_modal_forces(panels, panel, forced, d):
 
 @kernel
 def foreshorten(forms, panel):
-    """Write to `panel` values, rates and gradients of foreshortening's quadratic `forms` at the motion `panel.low`."""
+    """Compute the quadratic `forms` of bending `panel.low`: `panel.shortening`, with rates, and `panel.gradient`."""
     value0 = value1 = value2 = value3 = value4 = splat4(0.0)
     rate0 = rate1 = rate2 = rate3 = rate4 = splat4(0.0)
     for group in range(2):
@@ -133,13 +140,13 @@ def shorten_ends(panel):
 
 @kernel
 def in_all_lanes(value, rate):
-    """Return a vector of eight numbers: `value` four times and `rate` four times, the same for all stages."""
+    """Return one motion for all stages as a vector: `value` in the four lanes of stages, then `rate` in four."""
     return joined(splat4(value), splat4(rate))
 
 
 @kernel
 def sum_ends(panels, panel, d, q, v):
-    """Write to `panel.ends` the end motion at amplitudes `q`, rates `v` of panel design `d`, without foreshortening."""
+    """Sum all modes' end motion at amplitudes `q`, rates `v` in `panel.ends`; `d` indexes the design in `panels`."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         values, rates = q[begin:end], v[begin:end]
@@ -153,7 +160,10 @@ def sum_ends(panels, panel, d, q, v):
 
 @kernel
 def take_rest(panels, panel, d, group, r, moved):
-    """Subtract mode `r`, with amplitudes and rates `moved`, from its group's end motion in `panel.low`; `d`: design."""
+    """Subtract mode `r`'s part from the end motion of mode `group` in `panel.low`, which leaves the other modes' part.
+
+    `moved` holds the mode's amplitudes and rates at the stages; `d` is the panel's design, an index into `panels`.
+    """
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]
         store8(rest, 0, load8(rest, 0) - panels.shapes[d, i, panels.first[group] + r] * moved)
@@ -161,7 +171,7 @@ def take_rest(panels, panel, d, group, r, moved):
 
 @kernel
 def shorten_pose(panels, panel, d, q, v):
-    """Add to `panel.ends` the end motion of panel design `d` by foreshortening at amplitudes `q` and rates `v`."""
+    """Add shortening by bending at amplitudes `q`, rates `v` to `panel.ends`; `d` indexes the design in `panels`."""
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):
@@ -177,11 +187,11 @@ def shorten_pose(panels, panel, d, q, v):
 
 @kernel
 def move_low(panels, panel, forced, d, group):
-    """Compute in `panel.low` the coordinates of a mode `group` on which foreshortening acts, at the stages.
+    """Compute in `panel.low` the coordinates on which foreshortening acts in a `group` of modes, at a step's stages.
 
-    They are the amplitudes of the lowest modes and, in bending, the end motion due to all other modes. They follow from
-    the free motion, the loads and the modal forces in `panel.coupling`. `forced` (GROUPS, LOW, BY_LOAD) has the lowest
-    modes' motion per unit modal force at each stage; `d` is the panel's design.
+    They are the amplitudes of the group's lowest modes and, in bending, the end motion due to its other modes. They
+    follow from the free motion, the loads on the ends and the modal forces in `panel.coupling`. `forced` (GROUPS, LOW,
+    BY_LOAD) has the lowest modes' motion per unit modal force; `d` is the panel's design, an index into `panels`.
     """
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
@@ -205,13 +215,13 @@ def move_low(panels, panel, forced, d, group):
 
 @kernel
 def axial_form(group, r):
-    """Return the index of the quadratic form that projects foreshortening on axial mode `r` of an axial group."""
+    """Return the index in `Panels.forms` of the form for foreshortening in axial mode `r` of an even or odd `group`."""
     return ODD_FIRST + r if group == AXIAL_ODD else EVEN_FIRST
 
 
 @kernel
 def push_axial(panels, panel, d):
-    """Compute in `panel.coupling` foreshortening's forces on the axial modes of a panel of design `d`."""
+    """Write the forces of foreshortening on axial modes to `panel.coupling`; `d` indexes the design in `panels`."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency = panels.frequency[d, panels.first[group] + r]
@@ -222,7 +232,7 @@ def push_axial(panels, panel, d):
 
 @kernel
 def push_bending(panels, panel, d):
-    """Compute in `panel.coupling` the tension's forces on the bending coordinates of a panel of design `d`."""
+    """Write to `panel.coupling` the axial tension's forces on bending; `d` indexes the panel's design in `panels`."""
     for f in range(FORMS):
         store4(panel.tension[f], 0, splat4(0.0))
     store4(panel.tension[EVEN_ENDS], 0, load4(panel.load[AXIAL_EVEN, 0], 0))
@@ -254,7 +264,7 @@ def push_bending(panels, panel, d):
 
 @kernel
 def bend(panels, panel, forced, d):
-    """Compute foreshortening in `panel.shortening` from the end motion `panel.ends`; `forced`, `d`: see `move_low`."""
+    """Compute `panel.shortening` from `panel.ends`. `forced` is motion per modal force, `d` the index of the design."""
     for group in range(AXIAL_EVEN):
         move_low(panels, panel, forced, d, group)
     foreshorten(panels.forms[d], panel)
@@ -262,9 +272,10 @@ def bend(panels, panel, forced, d):
 
 @kernel
 def couple(panels, panel, forced, d):
-    """Compute foreshortening's forces in `panel.coupling`: on axial, then on bending coordinates (panel design `d`).
+    """Compute foreshortening's forces in `panel.coupling`: on the axial modes, then the tension's forces on bending.
 
-    Call `bend` before, with the same arguments. Forces on end values of higher modes are added to `panel.load`, too.
+    Call `bend` before, with the same `forced` (modes' motion per unit force) and `d` (panel design, index into
+    `panels`). Forces on the end motion of higher bending modes are also added to the end loads `panel.load`.
     """
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):

@@ -34,7 +34,7 @@ _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 @kernel
 def enter_piece(load, piece):
-    """Store in `load` the smooth branch of its law at each stage, `piece`; return 1 where it changed, else 0."""
+    """Set `load.piece` to its law's branches `piece` (smooth parts), by stage; return 1 where one changed, else 0."""
     before = load4(load.piece, 0)
     store4(load.piece, 0, piece)
     return where_less(piece, before, 1.0, where_less(before, piece, 1.0, 0.0))
@@ -42,10 +42,10 @@ def enter_piece(load, piece):
 
 @kernel
 def torque_laws(model, state, work):
-    """Write to `work.loads` the torques of joints and cable loops, and their slopes, at the stages.
+    """Write to `work.loads` the torques of joints and cable loops at the stages, and their slopes by motion and rate.
 
-    Return how many of the laws changed their branch (smooth part) at each stage. Cable loops that slacken do not count,
-    since Newton's method converges all the same.
+    Return how many laws, at each stage, are on another branch (smooth part) than at the previous call. Cable loops that
+    slacken do not count, since Newton's method converges all the same.
     """
     changed = splat4(0.0)
     for j in range(model.joints.size):
@@ -74,9 +74,10 @@ def torque_laws(model, state, work):
 
 @kernel
 def enter_row(work, r, load, diagonal):
-    """Write row `r` of Newton's matrix: derivatives, by its block's unknowns, of (unknown `r` minus its law's value).
+    """Write row `r` of Newton's matrix to `work.matrix`: derivatives of (unknown load `r` minus the value of its law).
 
-    `load` is the record of the unknown. `diagonal` is 1, or 0 for a reaction, whose equation is a constraint.
+    They are with respect to the unknowns of its block, which are solved together. `load` is the unknown's record, with
+    its law's slopes. `diagonal` is 1, or 0 for a reaction, whose equation is a constraint.
     """
     tangential = work.unknowns[r].kind == TANGENTIAL_ROW
     for c in range(work.unknowns[r].first, work.unknowns[r].end):
@@ -90,7 +91,11 @@ def enter_row(work, r, load, diagonal):
 
 @kernel
 def contact_law(joint, joint_state, scratch, normal, tangential):
-    """Write a contact's forces and slopes to `normal`, `tangential`; return 1 (else 0) where its law changed branch."""
+    """Write a contact's normal force and friction at the stages to the load records `normal` and `tangential`.
+
+    Slopes by depth, rates and normal force are written, too. `scratch` has the joint's motion, and sliding speeds of
+    earlier calls. Return 1 at stages where the law is on another branch (smooth part) than at the last call, else 0.
+    """
     motion, tried, speed_zero = scratch.motion, scratch.tried, joint_state.impact_speed
     depth, rate, speed = load4(motion[DEPTH], 0), load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
     force, _, by_depth, by_rate = normal_force(joint, depth, rate, speed_zero)
@@ -123,7 +128,7 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
 
 @kernel
 def contact_laws(model, state, work, n):
-    """Write the contacts' forces and slopes to `work.loads`; return how many changed branch by stage; `n`: unknowns."""
+    """Write contact laws among `n` unknowns to `work.loads`; return by stage how many changed branch (smooth part)."""
     changed = splat4(0.0)
     for r in range(n):
         if work.unknowns[r].kind == NORMAL_ROW:
@@ -135,7 +140,7 @@ def contact_laws(model, state, work, n):
 
 @kernel
 def reaction_law(state, work, r, h):
-    """Write residual (scaled relative velocity) and slopes of unknown `r`, an ideal joint's reaction, to `work`."""
+    """Write to `work` an ideal joint's residual `r` (scaled relative velocity) and slopes by position and velocity."""
     j, kind, response, gain = work.unknowns[r].owner, work.unknowns[r].kind, work.mobility[r, r].response, 0.0
     for k in range(STAGES):
         gain += abs(response[COLUMNS * k + END_RATE])

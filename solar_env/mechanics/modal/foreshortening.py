@@ -34,7 +34,7 @@ _MIRRORED = Polynomial([1.0, -1.0])
 
 
 def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return deflections and slopes (2, modes, points) of the lowest mass-normalised bending modes at `x` [m]."""
+    """Return deflections and slopes (2, modes, points) at `x` [m] of a free beam's mass-normalised bending modes."""
     # Hyperbolic functions are split into growing and decaying exponentials, whose factors hold all digits.
     found = np.zeros((2, modes, x.size))
     for k in range(modes):
@@ -72,9 +72,11 @@ def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[
 def quadratic_forms(
     length: float, mass: float, bending: int, axial: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return foreshortening's quadratic forms: K for `axial` modes (axial, n, n), and S for the two ends (2, n, n).
+    """Return the matrices K (axial, n, n) and S (2, n, n) of the quadratic forms that describe foreshortening.
 
-    The n = bending + 4 coordinates are amplitudes of bending modes, and the end values of all other bending modes.
+    Its part in an axial mode is b^T K b / 2; the rest moves an end by b^T S b / 2. The n = bending + 4 coordinates b
+    are the amplitudes of the lowest `bending` modes, then the first end's deflection and slope due to all other even
+    modes, then its deflection and slope due to all other odd modes.
     """
     project, ends = _unit_forms(bending, axial)
     scale = np.array([*[1.0 / math.sqrt(mass)] * bending, *[1.0, length] * 2]) / math.sqrt(length)
@@ -84,7 +86,7 @@ def quadratic_forms(
 
 @lru_cache(maxsize=64)
 def _unit_forms(bending: int, axial: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return K and S of `quadratic_forms` for a panel of unit length and mass."""
+    """Return foreshortening's matrices K and S (`quadratic_forms`) at unit length and mass; arguments count modes."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     x, w = 0.5 * (nodes + 1.0), 0.5 * weights
     slope = np.concatenate([bending_shapes(1.0, 1.0, bending, x)[1], rest_slopes(1.0, bending, x)])

@@ -102,7 +102,7 @@ class FloatingFrames(Formulation):
         return float(slope), float(spin_ratio)
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return the reactions' error [N], zero as every step solves for them, and the greatest force component."""
+        """Return the reactions' error, 0 N as steps solve for them, and the greatest component of a joint force [N]."""
         return 0.0, float(np.abs(state.course[-2 * len(model.joints) :, LAST]).max(initial=0.0))
 
 
@@ -123,7 +123,7 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
     parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]
 
     def beyond(group: int, lowest: int) -> Array:
-        """Return the motion of the first end due to all modes of a mode group except its `lowest` first ones."""
+        """Return the first end's (deflection, slope) or (displacement, 0) due to a group's modes after `lowest`."""
         return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.shapes[d, :, parts[group]].T[lowest:])
 
     low = [

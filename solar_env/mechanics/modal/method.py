@@ -93,7 +93,7 @@ def take_motion(model, state, work):
 
 @kernel
 def begin_modal(model, state, settings, work):
-    """Prepare a call of the run loop: copy state, loads and joint motion to `work`; choose a first step size."""
+    """Copy motion and loads of `state` to `work` before time stepping; set a first step size in `state` if unset."""
     clock = state.clock[0]
     start_at_state(state, work)
     for k in range(work.loads.size):
@@ -117,8 +117,8 @@ def start_at_state(state, work):
 def choose_modal(model, state, settings, work, remaining):
     """Return the step to try [s]: the greatest tabled size that accuracy, impacts and settings allow.
 
-    If this step ended the call, or left only a sliver of the `remaining` time [s], return at least that time; the run
-    loop then cuts the step to it. Store the index of the tabled size in `work.trial`, or -1 for any other size.
+    Tables hold panels' responses by step size. If the step would take (nearly) all of the `remaining` time [s], return
+    at least that time; the run loop cuts the step to it. Store the size's index in `work.trial`, or -1 if not tabled.
     """
     wanted = step_limit(state, settings)
     level = level_below(wanted)
@@ -131,7 +131,7 @@ def choose_modal(model, state, settings, work, remaining):
 
 @kernel
 def tables_of(model, work):
-    """Return the tables with the modes' responses for the trial step's size, and the level of this size in them."""
+    """Return the tables with the modes' responses for the trial step's size, and the index of this size in them."""
     if work.trial[0].level == _OFF_TABLE:
         return work.tables, _CUT
     return model.tables, work.trial[0].level
@@ -168,14 +168,14 @@ def angle_of_modal(model, state, work, j, h, share):
 
 @kernel
 def along(state, work, j, value, rate, h, share):
-    """Interpolate column `value` of joint `j`'s motion at a fraction `share` of the step; its rate is column `rate`."""
+    """Interpolate joint `j`'s motion column `value` at fraction `share` from `state` to `work`; `rate` is its slope."""
     start, end = state.motion[j], work.joints[j].motion
     return cubic(share, start[value], h * start[rate], end[value, LAST], h * end[rate, LAST])
 
 
 @kernel
 def complete_modal(model, state, settings, work, h):
-    """Compute coordinates, velocities and integrals at the end of the solved step, and store them in `work`."""
+    """Compute in `work` coordinates, velocities, and time integrals of powers and forces at the solved step's end."""
     start_at_state(state, work)
     tables, level = tables_of(model, work)
     commit_step(model, state, work, tables, level, h)
@@ -186,7 +186,7 @@ def complete_modal(model, state, settings, work, h):
 
 @kernel
 def commit_modal(model, state, settings, work, h, share):
-    """Copy the end of the solved step `h` [s] from `work` to `state`; return True. The fraction `share` is always 1."""
+    """Copy the end of the solved step `h` [s] from `work` to `state`; return True. `share`, the part accepted, is 1."""
     copy_into(state.q, work.q)
     copy_into(state.v, work.v)
     copy_into(state.integrals, work.integrals)
@@ -239,7 +239,7 @@ def instantaneous_inverse_mass(model, state, j):
 
 @kernel
 def open_contact(model, state, work, j):
-    """Set joint `j`'s contact forces by their laws; return its inverse effective mass [1/kg] for the impact."""
+    """Begin joint `j`'s contact: write forces to `state.course`, return its inverse effective mass [1/kg] at impact."""
     joint, motion = model.joints[j], state.motion[j]
     # The loads matter where a run starts with a journal that is pressed into its bearing.
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
@@ -252,7 +252,7 @@ def open_contact(model, state, work, j):
 
 @kernel
 def resume_modal(model, state, work):
-    """Set the forces of contacts that have ended to zero."""
+    """Set forces of clearance joints out of contact to zero in `state.course`, from which the next step starts."""
     for j in range(model.joints.size):
         if model.joints[j].kind == CLEARANCE and not state.joints[j].in_contact:
             for k in range(force_of(model, j), force_of(model, j) + 2):

@@ -1,8 +1,9 @@
 """Motion from loads: loads of joints and cable loops on bodies, bodies' frames at the stages, motion of the joints.
 
-Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. A loop's wheel
-angles are measured from the chord of the body between its joints (`joints/cable_loop.py`). Its load is the torque on
-the outer wheel; in a loop that conserves energy, minus this torque does work on the mismatch of the wheels' angles.
+Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. A cable loop runs
+over wheels at two joints. The wheels' angles are measured from its chord, the line between these joints
+(`joints/cable_loop.py`). The load of a loop is its torque on the outer wheel. If the loop conserves energy, its power
+is minus this torque times the rate of the mismatch of the wheels' angles.
 """
 
 import math
@@ -66,7 +67,7 @@ def add(target, vector):
 
 @kernel
 def add_load(model, work, number, fx, fy, torque):
-    """Add a force [N] and torque [N m] at attachment `number`, at all stages, to `work.bodies` and `work.panels`."""
+    """Add force (fx, fy) [N] and torque [N m], by stage, at attachment `number` to body and panel loads in `work`."""
     attachment = model.attachments[number]
     body, arm = work.bodies[attachment.body], work.attachments[number].arm
     add(body.load[0], fx)
@@ -89,9 +90,11 @@ def add_load(model, work, number, fx, fy, torque):
 def outboard_load(joint, nx, ny, lever, first, second, torque):
     """Return a joint's force (x, y) [N] and torque [N m] on its outboard body, and its torque on the inboard body.
 
-    `torque` acts on the joint angle. In ideal joints, `first` and `second` are the reaction's x and y components. With
+    The outboard body has the journal, the inboard body the bearing; torques are about these parts' centres. `torque`
+    acts on the joint angle. In ideal joints, `first` and `second` are the reaction's x and y components. With
     clearance, they act on the journal along -(nx, ny) and (-ny, nx); (nx, ny) is the unit vector from the bearing's to
-    the journal's centre, and `lever` [m] is the contact's distance from the bearing's centre. All may be vectors.
+    the journal's centre, and `lever` [m] the contact's distance from the bearing's centre. Numbers may be vectors by
+    stage.
     """
     torque = joint.sign * torque
     if joint.kind == IDEAL:
@@ -112,7 +115,10 @@ def force_of(model, j):
 
 @kernel
 def cable_attachment(model, cable, face):
-    """Return the index of a cable loop's attachment `face`: 0 outer wheel, 1 inner wheel, 2 and 3 its chord's ends."""
+    """Return the index in `model.attachments` of the point on which part `face` of a cable loop acts.
+
+    Parts 0 and 1 are the outer and inner wheel; 2 and 3 are the inner and outer end of the line between its joints.
+    """
     if face == 0:
         return model.joints[cable.joint_b].outboard
     if face == 1:
@@ -122,11 +128,12 @@ def cable_attachment(model, cable, face):
 
 @kernel
 def face_load(model, cable, across_x, across_y, length, face, torque, pull, ratio):
-    """Return the force (x, y) [N] and torque [N m] of a cable loop on its attachment `face` (see `cable_attachment`).
+    """Return the force (x, y) [N] and torque [N m] of a cable loop on its attachment number `face`, from 0 to 3.
 
-    `torque` acts on the outer joint's angle, minus `ratio` times `torque` on the inner joint's angle. `pull` [N] draws
-    the ends of the chord together. The chord has a `length` [m]; (`across_x`, `across_y`) [1/m] is the unit vector
-    across the chord, divided by the length. Numbers may also be vectors.
+    Attachments 0 and 1 are the outer and the inner wheel, 2 and 3 the inner and the outer end of the chord, the line
+    between the joints. `torque` [N m] acts on the outer joint's angle, and -`ratio` * `torque` acts on the inner
+    joint's angle. `pull` [N] draws the ends of the chord together. The chord has a `length` [m]; (`across_x`,
+    `across_y`) [1/m] is the unit vector across the chord, divided by the length. Numbers may also be vectors by stage.
     """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
     nothing, moment = 0.0 * torque, inner - outer
@@ -144,7 +151,7 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
 
 @kernel
 def distribute_loads(model, state, work):
-    """Sum joint and cable-loop loads at all stages, in their latest directions, into `work.bodies`, `work.panels`."""
+    """Sum joint and cable loads at the stages in `work.bodies`, `work.panels`, in the last iteration's directions."""
     nothing = splat4(0.0)
     for b in range(model.bodies.size):
         for i in range(3):
@@ -175,7 +182,7 @@ def distribute_loads(model, state, work):
 
 @kernel
 def turn_body(start, angle, turn):
-    """Write cosine and sine of a body's angle to `turn` (2, LANES): `start` (2,) turned by a vector `angle` [rad]."""
+    """Turn cosine and sine `start` (2,) by `angle` [rad], a vector by stage, and write the results to `turn` (2, 4)."""
     square, small = angle * angle, True
     store4(turn[0], 0, square)
     for s in range(STAGES):
@@ -274,7 +281,7 @@ def move_joints(model, work):
 
 @kernel
 def chord_angle(cable, x, y, turn):
-    """Add to the body angle `turn` (LANES,) [rad] the angle of its chord, `cable.chord_sense` * (x, y) in body axes."""
+    """Add the body-frame angle of a chord `cable.chord_sense` * (x, y) to the body's angles `turn` [rad], in place."""
     small = True
     for s in range(STAGES):
         small = small and cable.chord_sense * x[s] > 0.0 and abs(y[s]) < _SMALL_SLOPE * abs(x[s])
@@ -325,7 +332,7 @@ def move_cables(model, work):
 
 @kernel(inlined=False)
 def look_at(model, q, v, work):
-    """Compute in `work` the motion of bodies, attachments, joints and cable loops at `q`, `v`, alike at all stages."""
+    """Compute in `work` the motion of bodies, joints and cable loops in one state (`q`, `v`), copied to all stages."""
     for b in range(model.bodies.size):
         body, scratch, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
@@ -344,7 +351,7 @@ def look_at(model, q, v, work):
 
 @kernel
 def start_from_end(model, state, q, work):
-    """Copy the motion at the last stage to `state`, to start the next step; body angles come from coordinates `q`."""
+    """Copy the motion at the last stage from `work` to `state`, where the next step starts; `q` has the body angles."""
     for b in range(model.bodies.size):
         angle = q[model.bodies[b].offset + 2]
         state.turns[b, 0], state.turns[b, 1] = math.cos(angle), math.sin(angle)

@@ -106,7 +106,7 @@ def foresee(state, work, h):
 
 @kernel
 def continue_course(foreseen, course, stage):
-    """Extrapolate `course`, values at the last step's stages, to this step's by weights `foreseen`; write `stage`."""
+    """Write to `stage` a load at this step's stages: `course`, its last step's values, times weights `foreseen`."""
     total = course[0] * load4(foreseen[0], 0)
     for k in range(1, STAGES):
         total = total + course[k] * load4(foreseen[k], 0)
@@ -158,9 +158,9 @@ def start_stages(model, state, work, h):
 def move_stages(model, state, work, tables, level, h, shaped, coupled):
     """Compute in `work` the motion of bodies, attachments and joints at the stages under the present loads.
 
-    If `shaped`, update foreshortening, the shortening of panels by bending. If `coupled`, also update its forces on the
-    modes, from the amplitudes that the previous iteration's forces cause. `tables` hold, at index `level`, the panel
-    modes' responses to the step `h` [s].
+    If `shaped`, update foreshortening, the shortening of panels by bending. If `coupled`, also update the forces that
+    it exerts on the modes; their amplitudes are taken under the previous iteration's forces. `tables` hold, at index
+    `level`, the panel modes' responses to the step `h` [s].
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
@@ -278,7 +278,7 @@ def correct_loads(model, state, work, n, h, renewed):
 
 @kernel
 def furthest_off(model, work, n):
-    """Return the joint whose load among `n` unknowns was corrected most relative to tolerance; -1 if no load was."""
+    """Return the joint whose load, of `n` unknowns, the last iteration corrected most in tolerances; -1 if no load."""
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
@@ -291,7 +291,7 @@ def furthest_off(model, work, n):
 
 @kernel
 def solve_step(model, state, work, settings, tables, level, h):
-    """Solve for the joint loads at the stages; return False if unconverged. `tables`, `level`: see `move_stages`."""
+    """Solve for `work.loads` at the stages of step `h` [s], with index `level` in `tables`; return False on failure."""
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:

@@ -2,9 +2,9 @@
 
 A mode obeys y'' + 2 delta y' + omega^2 y = f. The stages are from E. Hairer and G. Wanner, Solving Ordinary
 Differential Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last stage is the
-step's end. A load's course over a step is the polynomial through its values at the stages. A resolved mode responds
-exactly; so does a mode that vibrates several times in a step, if damping makes errors fade. Other modes respond as the
-Radau method integrates them, with numerical damping; their exact values, at arbitrary phases, would be unstable.
+step's end. A load's course over a step is the polynomial through its values at the stages. A mode with omega h < 2 in a
+step h responds exactly; so does a faster mode whose damping makes errors fade. Other modes respond as the Radau method
+integrates them: without its numerical damping, loads that meet fast vibrations at arbitrary phases would grow.
 
 A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. Bending and axial modes form
 four groups. The sum or the difference of the two ends' loads acts on a group. One end's values give the other end's.
@@ -58,8 +58,7 @@ COEFFICIENTS = (2 + STAGES) * COLUMNS
 BY_LOAD = STAGES * COLUMNS
 
 RESOLVED = 2.0  # greatest omega h of a mode that the step resolves
-# Least damping ratio of a mode that is exact beyond RESOLVED, up to omega h of `Panels.exact`; 2 delta h must be below
-# RESOLVED.
+# Least damping ratio of modes exact beyond RESOLVED, up to omega h = `Panels.exact`, if 2 delta h < RESOLVED.
 _DAMPED = 0.02
 _SERIES = 3.0  # greatest omega h of the Taylor series; beyond, the series loses digits and the closed form has them
 _TERMS = 26
@@ -162,7 +161,7 @@ class Panels(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Responses of modes and ends of D panel designs to steps of L sizes (levels), with fields in order of use."""
+    """Motion of D panel designs' modes and ends due to unit start values or loads, for L time-step sizes (levels)."""
 
     answers: NDArray[np.void]  # (1,) scratch, of `answer_type`
     free: Array  # (D, L, modes, 2 COLUMNS) motion at the stages by start value and start rate, and DEFECT_LANES of both
@@ -172,7 +171,7 @@ class Tables(NamedTuple):
 
 
 def make_tables(panels: Panels, levels: int) -> Tables:
-    """Allocate response tables, filled with zeros, for a number of step sizes."""
+    """Allocate tables, filled with zeros, of panels' motion due to start values and loads, for `levels` step sizes."""
     designs, modes = panels.frequency.shape
     shape = (designs, levels)
     return Tables(
@@ -186,7 +185,7 @@ def make_tables(panels: Panels, levels: int) -> Tables:
 
 @kernel
 def exact_coefficients(frequency, damping_rate, h, answer):
-    """Write a mode's exact motion in a step `h` [s] to `answer.coefficient`, as `fill_answer` describes it.
+    """Write to `answer.coefficient` a mode's exact values and rates at the stages, per unit start value, rate and load.
 
     A Taylor series, whose terms fall as 1/n!, is summed for all five causes at once, one in each lane of a vector.
     """
@@ -225,7 +224,7 @@ def exact_coefficients(frequency, damping_rate, h, answer):
 
 @kernel
 def closed_coefficients(frequency, damping_rate, h, coefficients):
-    """Write an underdamped mode's exact motion, in closed form, to `coefficients`, as `fill_answer` describes it."""
+    """Write exact stage values, rates of an underdamped mode, per unit start value, rate, load, to `coefficients`."""
     square, inverse = frequency * frequency, 1.0 / h
     damped = math.sqrt(square - damping_rate * damping_rate)
     for s in range(STAGES):
@@ -254,7 +253,7 @@ def closed_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
-    """Write a mode's motion by the Radau IIA method to `coefficients`, as `fill_answer` describes it."""
+    """Write a mode's values and rates at Radau IIA stages, per unit start value, rate and load, to `coefficients`."""
     square, damping = frequency * frequency, 2.0 * damping_rate
     (a11, a12, a13), (a21, a22, a23), (a31, a32, a33) = A
     (b11, b12, b13), (b21, b22, b23), (b31, b32, b33) = B
@@ -287,9 +286,9 @@ def fill_answer(frequency, damping_rate, exact, h, answer):
     """Compute in `answer` a mode's motion in a step `h` [s] for a unit start value, start rate, or load at a stage.
 
     For each of these five causes in turn, `answer.coefficient` has four values, then four rates: at the three stages,
-    and the last stage again. They are exact up to omega h = 2, and up to omega h = `exact` for damping ratios above
-    0.02. Beyond, or if the damping rate [1/s] exceeds 1 / h, they are the Radau method's, and `answer.defect` has the
-    errors of free motion at the end of the step. `frequency` is omega [rad/s].
+    the last one twice to fill a vector. They are exact if omega h is below 2, or below `exact` for damping ratios above
+    0.02. Otherwise, or if the damping rate [1/s] exceeds 1 / h, they are the Radau method's, and `answer.defect` has
+    the errors of free motion at the end of the step. `frequency` is omega [rad/s].
     """
     coefficients, phase = answer.coefficient, frequency * h
     for c in range(2 * DEFECTS):
@@ -316,19 +315,19 @@ def fill_answer(frequency, damping_rate, exact, h, answer):
 
 @kernel
 def values_of(group):
-    """Return the number of end values of a mode group: two in bending, one in stretching."""
+    """Return the number of values of an end's motion in a mode `group`: 2 in bending (deflection, slope), 1 axially."""
     return 2 if group < AXIAL_EVEN else 1
 
 
 @kernel
 def side(end):
-    """Return the sign of odd motion at an end: 1 at the first end, -1 at the second."""
+    """Return the sign of antisymmetric motion at a panel's `end`: 1 at the first end (0), -1 at the second end (1)."""
     return 1.0 - 2.0 * end
 
 
 @kernel
 def add_mode(shapes, frequency, answer, group, k, responses):
-    """Add the response `answer` of mode `k` of a mode group to the `responses` of the panel's ends."""
+    """Add a mode's end motion per end load to `responses`: its response `answer` times end values `shapes[:, k]`."""
     for i in range(values_of(group)):
         for j in range(values_of(group)):
             product, row = shapes[i, k] * shapes[j, k], responses.response[group, i, j]
@@ -343,7 +342,7 @@ def add_mode(shapes, frequency, answer, group, k, responses):
 
 @kernel
 def join_groups(responses):
-    """Compute in `responses.ends` both ends' response to a load at the first end, by joining even and odd groups."""
+    """Compute in `responses.ends` both panel ends' motion per unit load on the first, by adding even and odd modes."""
     for product, group, i, j in (
         (ALONG_ALONG, AXIAL_EVEN, 0, 0),
         (ACROSS_ACROSS, BENDING_EVEN, 0, 0),
@@ -374,7 +373,7 @@ def keep_answer(tables, d, level, k, answer):
 
 @kernel(inlined=False)
 def fill_level(panels, tables, level, h):
-    """Compute the responses of every panel design to a step of `h` [s], and store them in a level of the tables."""
+    """Compute panel designs' motion due to start values, loads in a time step `h` [s], at index `level` of `tables`."""
     answer = tables.answers[0]
     for d in range(panels.damping.size):
         responses = tables.responses[d, level]
@@ -413,7 +412,7 @@ def level_below(h):
 
 
 def filled_tables(panels: Panels) -> Tables:
-    """Return response tables of panels, filled for all tabled step sizes."""
+    """Return tables of panels' motion due to start values and loads, filled for all tabled time-step sizes."""
     tables = make_tables(panels, LEVELS)
     for level in range(LEVELS):
         fill_level(panels, tables, level, level_size(level))

@@ -1,7 +1,8 @@
-"""Unknown loads of a step, and their mobility: the motion at the stages that a unit of an unknown causes.
+"""Unknown loads of a step by the three-stage Radau IIA method, and their mobility, the motion caused by unit loads.
 
-A unit of an unknown loads the two bodies of its joint. By reciprocity, this unit load times the bodies' motion is the
-motion on which the unknown does work: joint angle, negative penetration depth, sliding speed, or relative velocity.
+An unknown exerts forces and moments on the bodies of its joint or cable loop. Weighted with these and summed, the
+bodies' motions give the motion on which the unknown does work: a joint angle, negative penetration depth, sliding
+speed, or relative velocity. The mobility is this motion at the three stages, per unit of the same or another unknown.
 """
 
 import math
@@ -139,9 +140,10 @@ def list_rows(model, state, work, tables, level, h):
 
 @kernel
 def mark_blocks(work, n, h):
-    """Write to `work.unknowns` each unknown's block of Newton's matrix: its `first` unknown, and `end` after its last.
+    """Divide the `n` unknown loads of a step of size `h` [s] into diagonal blocks of Newton's matrix.
 
-    Each joint has one block in steps `h` below 0.5 ms without cable loops and reactions; otherwise all share one block.
+    In `work.unknowns`, a block extends from index `first` to before `end`. Each joint has its own block if `h` < 0.5 ms
+    and no unknown is a cable loop's load or an ideal joint's reaction; otherwise all unknowns share one block.
     """
     apart = h < _APART
     for r in range(n):
@@ -161,9 +163,9 @@ def mark_blocks(work, n, h):
 
 @kernel
 def enter_load(model, work, number, fx, fy, torque, load):
-    """Write a force (fx, fy) and a torque on an attachment to `load`, in its body's frame at the last stage.
+    """Write to `load` (4,) a force (fx, fy), in inertial axes, and a torque on the attachment with index `number`.
 
-    The entries are the force along and across the body, the torque, and the moment about the centre of mass.
+    The entries are force along and across the body at the step's end, torque, and moment about the centre of mass.
     """
     turn, local = work.bodies[model.attachments[number].body].turn, work.attachments[number].local
     c, s = turn[0, LAST], turn[1, LAST]
@@ -174,7 +176,11 @@ def enter_load(model, work, number, fx, fy, torque, load):
 
 @kernel
 def fill_unit_loads(model, work, n):
-    """Compute in `work.unknowns` the loads on bodies per unit of each of `n` unknowns, in last-stage body frames."""
+    """Write to `n` records of `work.unknowns` the loads that a unit of the unknown exerts on bodies, at the step's end.
+
+    Rows of `load` are, for each body, the force along and across it, the torque, and the moment about its centre of
+    mass. Rows of `reading` are weights: with them the bodies' motions sum up to the motion on which the load works.
+    """
     for r in range(n):
         unknown = work.unknowns[r]
         if unknown.faces == FACES:
@@ -201,7 +207,10 @@ def fill_unit_loads(model, work, n):
 
 @kernel
 def add_scaled(sums, gain, motion):
-    """Return the three vectors `sums`, one per stage load, plus `gain` * `motion` (24,), eight numbers for each."""
+    """Return the tuple `sums` of three vectors, each with `gain` times the next eight numbers of `motion` (24,) added.
+
+    The eight are a motion's values at the stages (the last twice), then rates there, by a load at one of three stages.
+    """
     first, second, third = sums
     first, second = first + gain * load8(motion, 0), second + gain * load8(motion, COLUMNS)
     return first, second, third + gain * load8(motion, 2 * COLUMNS)
@@ -209,11 +218,11 @@ def add_scaled(sums, gain, motion):
 
 @kernel
 def add_shared(work, model, tables, level, number, reading, other, opposite, sums):
-    """Return `sums` plus the motion of one body that the unknown load `other` causes, projected on the load `reading`.
+    """Return `sums` plus a body's motion caused by a unit of the unknown load `other`, weighted by the load `reading`.
 
-    `sums` are three vectors of values and rates at the stages, one for a unit of `other` at each stage. `reading` is a
-    unit load at attachment `number`, which does work on the projection. `other`, a record of `work.unknowns`, acts on
-    the same body, at its attachment with index `opposite`. `tables` hold, at index `level`, the modes' responses.
+    `reading` (4,), a unit load on the model's attachment `number`, does work on the weighted motion. `sums` are three
+    vectors, for a unit of `other` at each stage: the motion's values at all stages, then its rates. `other` is a record
+    of `work.unknowns`; its attachment `opposite` is on the same body. `level` is the step size's index in `tables`.
     """
     attachment, loaded = model.attachments[number], model.attachments[other.attachment[opposite]]
     body, load = model.bodies[attachment.body], other.load[opposite]
@@ -235,8 +244,9 @@ def add_shared(work, model, tables, level, number, reading, other, opposite, sum
 def share_motion(model, work, tables, level, p, q, mutual):
     """Compute in `work.mobility[p, q]` the motion on which unknown load `p` does work, caused by a unit of load `q`.
 
-    The motion has values and rates at the stages, for the load `q` at each stage. If `mutual`, copy it to [q, p]. Only
-    bodies that both loads act on contribute. `tables` hold, at index `level`, the panel modes' responses to the step.
+    For a unit of `q` at each stage of the step, it has the motion's values at all stages, then its rates. If `mutual`,
+    copy the result to [q, p]. Only bodies that both loads act on contribute. `tables` hold, at the index `level` of the
+    step's size, the panel modes' responses.
     """
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
@@ -254,7 +264,10 @@ def share_motion(model, work, tables, level, p, q, mutual):
 
 @kernel
 def fill_mobility(model, work, tables, level, h, n):
-    """Fill `work.mobility` by `share_motion` (see there) for all pairs of the `n` unknowns that share a block."""
+    """Compute `work.mobility` in a step `h` [s], for pairs of the `n` unknown loads in the same block of the matrix.
+
+    Entry [p, q] is the motion on which p does work, by a unit of q. `level` is `h`'s index in the response `tables`.
+    """
     fill_unit_loads(model, work, n)
     for k in range(STAGES):
         store8(work.rigid, COLUMNS * k, joined(h * h * load4(PLACE_BY_LOAD[k], 0), h * load4(VELOCITY_BY_LOAD[k], 0)))

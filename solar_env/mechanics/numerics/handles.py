@@ -19,7 +19,7 @@ class Handle:
 
     Attributes:
         arrays: the named tuple.
-        address: memory address of the named tuple's description.
+        address: memory address of a list of the tuple's numbers, and its arrays' data addresses, shapes and strides.
     """
 
     def __init__(self, arrays: Any) -> None:
@@ -36,9 +36,9 @@ class Handle:
 
 
 def _describe(entry: Any, words: list[int], form: list[Any]) -> None:
-    """Append the values of a number, array or tuple to `words`, in Numba's memory layout with 8 bytes per value.
+    """Append to `words` a number, an array's descriptor or a tuple's members, in Numba's memory layout of 8-byte words.
 
-    A key that identifies their types is appended to `form`. The layout's field for an array's owner stays zero.
+    A descriptor is owner (zeros), size, item size, data address, shape and strides. A key of all types goes to `form`.
     """
     if isinstance(entry, tuple):
         form += (type(entry), len(entry))
@@ -57,7 +57,7 @@ _TYPES: dict[tuple[Any, ...], "_HandleType"] = {}
 
 
 def arrays_of(handle: Handle) -> Any:
-    """Return the named tuple of a handle, in Python and in kernels."""
+    """Return the named tuple of arrays and numbers to which a handle points; Python and kernels can call this."""
     return handle.arrays
 
 

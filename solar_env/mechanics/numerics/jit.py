@@ -104,8 +104,7 @@ def cache_folder(path: Path) -> str:
 class KernelCache(FunctionCache):
     """Numba's cache of a function, changed to ignore damaged files, and to warn if it cannot write a file.
 
-    The folder is Numba's setting `CACHE_DIR`. Its name identifies the contents of the kernels' sources, independently
-    of the source file's path and time.
+    Its files lie directly in the folder of Numba's setting `CACHE_DIR`, which `kernel` names by a hash of the sources.
     """
 
     def __init__(self, function: Any) -> None:

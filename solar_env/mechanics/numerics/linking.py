@@ -28,7 +28,7 @@ class LinkedLibrary(JITCodeLibrary):
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LinkedLowering(NativeLowering):
-    """Compiler pass that translates a kernel into linkable code, known to its callers but not callable from Python."""
+    """Compiler pass that translates a kernel to code that compiled callers link, and that Python cannot call."""
 
     _name = "linked_lowering"
 

@@ -1,4 +1,4 @@
-"""Sparse direct solver for Newton's equations, with block triangular factors within the matrix profile.
+"""Sparse direct solver for the linear equations of implicit steps, with block triangular factors in a matrix profile.
 
 The unknowns are eliminated along the chain of bodies, node by node, every multiplier right after the last coordinate
 that it acts on. In this order the profile (A. George and J. W. H. Liu, Computer Solution of Large Sparse Positive
@@ -24,7 +24,7 @@ _SHIFT, _REST = 2, 3
 
 
 class Elimination(NamedTuple):
-    """Elimination order of coordinates and multipliers (of linear constraints and body lengths), and matrix profile."""
+    """Elimination order of coordinates and constraint multipliers, and matrix profile (rows' first nonzero blocks)."""
 
     position: NDArray[np.int64]  # (unknowns,) position in the order; -1 for held unknowns
     empty: NDArray[np.int64]  # positions without an unknown
@@ -41,7 +41,10 @@ class ProfileMatrix(NamedTuple):
 
 
 def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int]]) -> Elimination:
-    """Return elimination data from each unknown's `position`, which may leave gaps, and pairs of coupled unknowns."""
+    """Return the `Elimination` of matrices whose nonzero entries join the pairs of unknowns (indices) in `couplings`.
+
+    `position` is each unknown's place in the elimination order, or -1 if it is not solved for; places may stay empty.
+    """
     blocks = int(position.max()) // BLOCK + 1 if position.size else 0
     first = np.arange(blocks)
     places = np.sort(position[np.array(couplings, dtype=np.int64).reshape(-1, 2)], axis=1)
@@ -67,7 +70,7 @@ def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
 
 @kernel(inlined=False)
 def clear(elimination, matrix):
-    """Set all entries of a profile matrix to zero, and the diagonal entries of empty positions to one."""
+    """Set a profile matrix to zero, but to one on the diagonal where the order `elimination` has no unknown."""
     for array in (matrix.lower, matrix.upper, matrix.diagonal):
         for i in range(array.shape[0]):
             for k in range(_ENTRIES):
@@ -93,7 +96,7 @@ def add_entry(elimination, matrix, i, j, value):
 
 
 def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64]:
-    """Return a profile matrix as a dense array by unknowns; rows and columns of held (unsolved) unknowns are zero."""
+    """Return a profile matrix as a dense array in the order of unknowns' indices, zero for those not solved for."""
     unknowns, blocks = elimination.position.size, elimination.first.size
     lower, upper, diagonal = (array.reshape(-1, BLOCK, BLOCK) for array in matrix)
     ordered = np.zeros((blocks, blocks, BLOCK, BLOCK))
@@ -125,7 +128,7 @@ def add_to(x, place, value):
 
 @kernel
 def taken(x, place):
-    """Return entry `place` of a vector `x` (blocks, BLOCK), or zero if `place` is -1 (unknown not solved for)."""
+    """Return entry `place` of the flattened vector `x` (blocks, BLOCK); zero for -1, an unknown not solved for."""
     return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
 
 
@@ -185,9 +188,9 @@ def _invert(block, s0, s1, s2, s3):
 
 @kernel(inlined=False)
 def profile_factor(elimination, matrix):
-    """Factor a matrix in place into a unit lower and an upper block triangle; False if a pivot is zero or not finite.
+    """Factor a profile matrix, in the order `elimination`, in place into a unit lower and an upper block triangle.
 
-    The diagonal blocks are replaced by their inverses.
+    The diagonal blocks are replaced by their inverses. Return False if a pivot is not finite or has lost all digits.
     """
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
@@ -257,7 +260,7 @@ def profile_solve(elimination, matrix, b):
 
 @kernel(inlined=False)
 def profile_product(elimination, matrix, x, out):
-    """Write a profile matrix times `x` to `out`, both (blocks, BLOCK) in the order of elimination."""
+    """Write a profile matrix times `x` to `out`; matrix and vectors (blocks, BLOCK) are in the order `elimination`."""
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):

@@ -54,7 +54,7 @@ def _typed(function: Callable[..., Any], result: Callable[..., Any]) -> None:
 
 
 def _place(context: Any, builder: Any, kind: Any, array: Any, first: Any, width: int) -> Any:
-    """Return a pointer to the vector that begins at index `first` of a contiguous array of numbers."""
+    """Return a pointer to `width` numbers from index `first` of a contiguous array, whose Numba type is `kind`."""
     data = context.make_array(kind)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [first]), ir.VectorType(ir.DoubleType(), width).as_pointer())
 
@@ -177,7 +177,7 @@ def _joined(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _call(builder: Any, name: str, result: Any, args: Any) -> Any:
-    """Call LLVM's function `name` on numbers, or on vectors lane by lane."""
+    """Call LLVM's function `name` on numbers, or on vectors lane by lane; `result` is the result's Numba type."""
     kinds = [value.type for value in args]
     suffix = f"v{result.width}f64" if isinstance(result, Vector) else "f64"
     function = ir.FunctionType(kinds[0], kinds)

@@ -65,7 +65,7 @@ def wear_contact(joint, state, j, journal, bearing, depth, sliding_work):
 
 @kernel
 def note_latch_torque(joint, joint_state, angle, rate):
-    """Update a latched joint's state: its `rate` [rad/s] at the latching, and its greatest latch torque since then."""
+    """Update a latched joint's peak latch torque; the first call after the latching also stores its `rate` [rad/s]."""
     if joint_state.latched:
         if math.isnan(joint_state.latch_rate):
             joint_state.latch_rate = rate
@@ -108,7 +108,7 @@ def release_joints(model, state, motion):
 
 @kernel
 def has_parted(joint_state, time, depth, rate):
-    """Return whether surfaces in contact have parted by `time` [s], at a `depth` [m] and its `rate` [m/s]."""
+    """Return whether a contact begun before `time` [s] has ended: penetration `depth` [m] <= 0, `rate` [m/s] < 0."""
     # A contact that has begun just now, exactly on the wall, may not end at once: time would stand still.
     return depth <= 0.0 and rate < 0.0 and joint_state.contact_start < time
 

@@ -77,10 +77,10 @@ def pause_due(recorder, time, joints):
 
 @kernel(inlined=False)
 def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a, multipliers, energies):
-    """Write an interpolated state `q`, `v`, its loads, energies and `integrals` to the next row of `recorder.samples`.
+    """Compute loads and energies of an interpolated state `q`, `v`; write all to the next row of `recorder.samples`.
 
-    `integrals` are works, losses and impulses up to `time` [s]. `work` holds the contacts' impact speeds; its other
-    arrays, `a`, `multipliers` and `energies` are scratch.
+    The row also gets `integrals`: works, losses and impulses up to `time` [s]. `work` holds the contacts' impact speeds
+    and scratch arrays. The arguments `a`, `multipliers` and `energies` are memory for intermediate results.
     """
     accelerations(model, joint_states, q, v, time, work, a, multipliers)
     stored_energies(model, joint_states, q, v, work.loads, energies)

@@ -78,7 +78,7 @@ class Batch:
             self.replace(lane, simulation)
 
     def __getstate__(self) -> dict[str, object]:
-        """Return the attributes for copies and pickles, without threads and the address in this process."""
+        """Return the attributes for copies and pickles, without the threads and the code address of this process."""
         return {name: value for name, value in vars(self).items() if name not in ("_threads", "address")}
 
     def __setstate__(self, values: dict[str, object]) -> None:
@@ -148,11 +148,11 @@ class Batch:
         return address_of(advance_lanes, *self._arguments(0, np.zeros(0, np.int64)), np.zeros(0))
 
     def run(self, kernel: Callable, lanes: NDArray[np.int64], *further: Any) -> dict[int, SimulationError]:
-        """Run a kernel on lanes (k,), indices of simulations, as `attempt` runs `advance_lanes`; return errors by lane.
+        """Run a kernel on lanes (k,), indices of simulations, in the batch's threads; return failed lanes' errors.
 
-        The kernel takes the arguments of `advance_lanes` up to `statuses`, then the arguments `further`. Every lane's
-        status is DONE beforehand. The kernel is called again for lanes with status TOO_MANY_STEPS, or PAUSED because
-        the contact table is full.
+        The kernel takes the arguments of `advance_lanes` up to and including `statuses`, then the arguments `further`.
+        It sets each lane's status, DONE beforehand. It is called again, up to the integrator's `max_steps` in all, for
+        lanes whose steps for one call ran out (TOO_MANY_STEPS), or whose contact table was full (PAUSED).
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")] if lanes.size > 1 else lanes
         left, clock = self.integrator.max_steps, self.states.clock
@@ -199,7 +199,7 @@ class Batch:
         self._work_expected = threads * (time.perf_counter() - start)
 
     def _arguments(self, thread: int, queue: NDArray[np.int64]) -> tuple[Any, ...]:
-        """Return the arguments of `advance_lanes` up to `statuses`, for a thread and a queue of lanes (simulations)."""
+        """Return the arguments of `advance_lanes` up to and including `statuses`, for a thread and a queue of lanes."""
         return (
             *self.handles,
             self._settings,

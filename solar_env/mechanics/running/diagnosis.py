@@ -1,7 +1,7 @@
 """Warnings about runs that finished, but whose results are worse than they look.
 
 Each text names a quantity, its value and a remedy, and is empty if all is well. A run that cannot go on raises an error
-(`errors.py`). This is plain Python: describing a mechanism needs no compiler.
+(`errors.py`). The module imports no compiler, because checks of an array's parameters warn through it, too.
 """
 
 import warnings

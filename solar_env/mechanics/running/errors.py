@@ -71,7 +71,7 @@ _CAUSES = {
 
 
 def failure(status: int, clock: Any) -> SimulationError:
-    """Return the error for a kernel's status code other than DONE and PAUSED, with time and joint from the clock."""
+    """Return the error for a status code other than DONE and PAUSED; the record `clock` holds time, joint and value."""
     (reason, text), time = _CAUSES[status], float(clock["time"])
     cause = text.format(joint=int(clock["failure_joint"]) + 1, value=float(clock["failure_value"]))
     return SimulationError(f"at t = {time:.9g} s {cause}", time, reason)

@@ -48,8 +48,8 @@ class Simulation:
         """Compile `mechanism` and check that its initial state meets the constraints.
 
         Raises:
-            ValueError: if positions or velocities violate a constraint, if the integrator is not one of `settings`, or
-                if the integrator does not take a part of the mechanism.
+            ValueError: if positions or velocities violate a constraint, if the integrator's class is not in
+                `integrators.settings`, or if it does not support a part of the mechanism, such as drives.
         """
         self.integrator: Integrator = RungeKutta() if integrator is None else integrator
         method = method_of(self.integrator)
@@ -200,7 +200,7 @@ class Simulation:
 
     @cached_property
     def _lane(self) -> tuple[Handle, Handle, dict[str, Handle]]:
-        """Handles (addresses) of model and state as a batch of one; dictionary of scratch handles by integrator."""
+        """Handles (addresses) of model and state as a batch of one, and of work arrays by the integrator's name."""
         return Handle(with_lane_axis(self.model)), Handle(with_lane_axis(self.state)), {}
 
     def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:
@@ -259,10 +259,10 @@ class Simulation:
         )
 
     def constraint_force_defect(self) -> tuple[float, float]:
-        """Return the greatest error of the multipliers that hold the constraints, and the greatest force [N].
+        """Return the greatest error of the integrator's constraint forces, and the greatest force [N].
 
-        The greatest force counts as no less than the energy turned over (`energy_book`), divided by the longest body's
-        length: otherwise one rounding error would be compared with another where forces vanish.
+        The returned force is at least the energy that the run has stored or lost so far (`energy_book`), divided by the
+        longest body's length. Without this bound, rounding errors would be compared with each other if forces vanish.
         """
         defect, largest = self.formulation.constraint_force_defect(self.model, self.state)
         return defect, max(largest, float(self.energy_book()[1] / self.model.length_scale))

@@ -1,4 +1,4 @@
-"""Result of a run: arrays over time, totals by joint and every contact, with functions to make, save and load it."""
+"""Result of a run: arrays over time, each joint's totals, and a table of contacts; functions make, save and load it."""
 
 from __future__ import annotations
 
@@ -38,24 +38,25 @@ class Trajectory:
         time: (nt,) times of the samples.
         coordinates, velocities: (nt, n) generalized coordinates and velocities.
         angles, rates: (nt, nj) joint angles and their rates; continuous through full turns.
-        eccentricity: (nt, nj, 2) journal centre minus bearing centre; zero for ideal joints.
-        penetration: (nt, nj) eccentricity minus clearance; negative is a gap.
+        eccentricity: (nt, nj, 2) journal centre minus bearing centre, in inertial axes; zero for ideal joints.
+        penetration: (nt, nj) |eccentricity| - clearance; negative is a gap.
         normal_force, tangential_force: (nt, nj) contact force on the journal; for an ideal joint, the reaction's
             magnitude and zero. Samples inside linearly implicit steps are interpolated: after a change of motor
-            torque, they may show up to 10 N where a journal leans on its bearing with 0.2 N (in 0.02 % of the time of
-            quiet deployments). Samples inside steps of modal-radau follow the step's polynomial. Peak forces and
+            torque, they may show up to 10 N where a journal leans on its bearing with 0.2 N (in measured deployments,
+            0.02 % of the time). Samples inside steps of modal-radau follow the step's polynomial. Peak forces and
             integrals are free of these errors.
-        joint_force: (nt, nj, 2) force on the outboard body.
+        joint_force: (nt, nj, 2) force on the outboard body, in inertial axes.
         spring_torque, cable_torque, latch_torque, motor_torque, harness_torque, damping_torque, hinge_friction_torque:
             (nt, nj) torques on the joint angle; the latch torque is the torque of all stops.
         energies: arrays (nt,) by name. Stored: kinetic, spring, cable, latch, contact, elastic, harness, gravity (of
-            all constant forces). Put in: motor_work, cable_work (zero for a loop whose torque ratio is its wheel
-            ratio), external_work (of drives and load torques). Lost: contact_dissipation, friction_dissipation,
+            all constant forces). Put in: motor_work, cable_work (zero for a loop that conserves energy),
+            external_work (of drives and load torques). Lost: contact_dissipation, friction_dissipation,
             latch_dissipation, damper_dissipation, hinge_friction_dissipation, material_dissipation. The error,
             residual, is stored - initially stored - put in + lost.
-        sliding_work, impulse: (nt, nj) integrals since t = 0 of normal force * |sliding speed|, and of the force.
+        sliding_work, impulse: (nt, nj) integrals since t = 0 of normal_force * |sliding speed|, and of normal_force.
         wear_journal, wear_bearing: (nj, bins) wear depth at the end, by angle in the frame of the surface's body.
-        contacts: structured array of all contacts by end time; open contacts come last, with end_s = nan.
+        contacts: structured array of all contacts by end time; open contacts come last, with end_s = nan. Fields: joint
+            (index), start_s, end_s, impact_speed, peak_force, impulse, sliding_work.
         latch_times: (nj,) times of latching; nan if not latched.
         latch_rates: (nj,) rates of the joint angles at the latching [rad/s]; nan if not latched.
         peak_latch_torque: (nj,) greatest torque of the latch, or of the stop at the lock angle [N m], at the ends of
@@ -114,10 +115,10 @@ class Trajectory:
 
     @property
     def energy_put_in(self) -> float:
-        """Energy [J] in springs, cables and motion at t = 0, plus the energy that motor, cable, drives and loads added.
+        """Energy [J] stored at t = 0, without gravity, plus the works of motor, cable loops, drives and load torques.
 
-        A source that has taken out energy by the end counts as zero. A stored energy that becomes negative, as a
-        tabulated torque's may, counts from its lowest value.
+        A work that is negative at the end counts as zero. If a stored energy becomes negative (as a tabulated torque's
+        may), its lowest sampled value is subtracted.
         """
         stored = sum(float(self.energies[name][0] - min(self.energies[name].min(), 0.0)) for name in _STORED)
         return stored + sum(max(float(self.energies[name][-1]), 0.0) for name in _PUT_IN)
@@ -235,7 +236,10 @@ def _check(values: dict[str, Any]) -> None:
 
 
 def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return two dictionaries, energies [J] put in and lost since t = 0 (keys as in `Trajectory`), from `integrals`."""
+    """Return two dictionaries: energies [J] (...) put in and lost since t = 0, by name (see `Trajectory.energies`).
+
+    `integrals` (..., count) are the running time integrals of works, losses and forces, at one time or at all samples.
+    """
     totals = m.joint_integrals(integrals).sum(axis=-2)
     by_torques: list[dict[str, Any]] = [
         {law.book: totals[..., law.integral] for law in columns.TORQUES if law.book and law.lost == lost}
@@ -254,9 +258,10 @@ def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[s
 def assemble(
     model: ModelArrays, state: StateArrays, recorder: Recorder, contacts: NDArray[np.void], metadata: dict[str, Any]
 ) -> Trajectory:
-    """Make the trajectory of a finished run from its samples, its contacts (`contact_table`) and its last state.
+    """Make the trajectory of a finished run from its samples, its contacts (from `contact_table`) and its last state.
 
-    Counts of steps and evaluations, `slow_contacts` and `creeping_share` are added to a copy of `metadata`.
+    A copy of `metadata` gets counts of steps, evaluations and contacts too slow for their law (`slow_contacts`), and
+    the fraction of samples in contact that creep instead of sticking (`creeping_share`).
     """
     table, joints, clock = recorder.samples, model.joints.size, state.clock[0]
     slices = sample_columns(model, state)
@@ -331,7 +336,10 @@ def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np
 
 
 def _limits_of_the_laws(joints: Any, contacts: Any, normal: Array, tangential: Array) -> dict[str, Any]:
-    """Return the number of `slow_contacts`, and the `creeping_share` of samples in contact, see `Trajectory`."""
+    """Return the number of `slow_contacts`, and the `creeping_share` of samples in contact, from forces (nt, nj) [N].
+
+    Slow contacts began at or below the joint's minimum impact speed. Samples creep if friction is below Coulomb's.
+    """
     loose = joints["kind"] == m.CLEARANCE
     pressed = normal[:, loose] > 0.0
     coulomb = joints["friction_coefficient"][loose] * normal[:, loose]

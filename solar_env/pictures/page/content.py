@@ -62,9 +62,9 @@ class Chart:
         title: quantity that the chart shows.
         x, y: names of the axes with units.
         lines: lines of the chart.
-        over_time: whether x is the time [s] that the slider moves.
+        over_time: whether x is the time [s]; the page's time slider then moves a vertical line along it.
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
-        polar: whether y is drawn round a circle; the axis name `y` is then the unit alone.
+        polar: whether y is the radius, and x the angle [deg]; the axis name `y` is then the unit alone.
         limits: limits of y; by default the lines set them.
         bars: names of positions 0, 1, 2, ... on the vertical axis, from the top, if lines are drawn as bars.
     """

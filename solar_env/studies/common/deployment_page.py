@@ -78,7 +78,7 @@ def _lines(trajectory: Trajectory, kept: Samples) -> tuple[Array, list[Array]]:
 
 
 def _motors(trajectory: Trajectory) -> Array:
-    """Return the (nt, motors) torques [N m] of all motors that ever acted; if no motor did, of the root joint's."""
+    """Return the (nt, motors) torques [N m] of all motors that ever acted; if no motor did, one column of zeros."""
     turned = np.flatnonzero(trajectory.motor_torque.any(axis=0))
     return trajectory.motor_torque[:, turned if len(turned) else [0]]
 
@@ -212,7 +212,7 @@ def _worn(trajectory: Trajectory) -> tuple[Array, Array]:
 
 
 def _on_scale_of_forces(chart: Chart) -> Chart:
-    """Return a chart of forces with the films' logarithmic force axis; zeros are drawn below the axis's lower limit."""
+    """Return a chart with a logarithmic axis of forces from 0.01 N to 1 kN or above; zeros are drawn below 0.01 N."""
     low, high = (10.0**decade for decade in FORCE_DECADES)
     limits = low, max(high, *(1.1 * float(line.y.max()) for line in chart.lines))
     lines = [replace(line, y=np.maximum(line.y, 0.63 * low)) for line in chart.lines]

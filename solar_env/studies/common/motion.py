@@ -1,4 +1,4 @@
-"""Deployments and model levels that studies simulate; records of runs by any program; and errors of these records."""
+"""Deployments and model levels for studies, records of runs by any program, and their errors against a reference."""
 
 import math
 import warnings
@@ -107,7 +107,7 @@ class Level:
 
     @property
     def panels(self) -> ModelLevel:
-        """The `ModelLevel` that the attribute `model` names, without the tolerance."""
+        """The `ModelLevel` (kind of panels and joints) that the attribute `model` names; it holds no tolerance."""
         return ModelLevel.of(self.model)
 
     @property
@@ -116,12 +116,14 @@ class Level:
         return f"{self.panels.name}, {self.size}" if self.panels.flexible else self.panels.name
 
     def integrator(self, member: int = 0) -> RungeKutta:
-        """Return the default integrator with this level's tolerance, varied by 0.3 % at most if `member` is not 0."""
+        """Return the default integrator at this level's tolerance; ensemble members after 0 vary it by up to 0.3 %."""
         default = default_integrator(self.model)
         return replace(default, rtol=perturbed_setting(default.rtol, member) / self.tighter)
 
     def deploy(self, parameters: ArrayParameters, member: int, duration: float, output_step: float) -> Trajectory:
-        """Return member `member`'s trajectory over `duration` [s], sampled every `output_step` [s]; see `perturbed`.
+        """Return the trajectory of an ensemble's run `member` over `duration` [s], sampled every `output_step` [s].
+
+        The members' initial joint rates and tolerances differ at random; member 0 has the nominal ones.
 
         Raises:
             SimulationError: if the run cannot go on.

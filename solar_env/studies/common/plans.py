@@ -52,7 +52,7 @@ class ChartPlan:
     side_duration: float = 30.0  # duration of the deployments that are timed side by side [s]
 
     def deployment(self, model: str) -> Scene:
-        """Return a deployment by `model`, with flexible panels of `panels` ("6 elements"); it ends after latching."""
+        """Return a deployment beyond the latching, at model level `model` with flexible panels set to `self.panels`."""
         return Scene(with_panels(model, self.panels), self.parameters, self.duration, self.before_latch / 120.0)
 
 

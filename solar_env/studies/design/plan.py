@@ -68,7 +68,7 @@ def quantity_name(text: str) -> str:
 
 @dataclass(frozen=True)
 class Change:
-    """Parameter and the range of its values; if `factor`, of a common factor on values that differ between joints."""
+    """Parameter and its range; if `factor` is true, the range of a number that multiplies each joint's own value."""
 
     name: str
     low: float
@@ -153,7 +153,7 @@ class DesignPlan:
         return min(bounds, default=DEADLINE)
 
     def parameters(self, values: Mapping[str, float]) -> ArrayParameters:
-        """Return the array's parameters, changed by `values` (name -> value, or factor on the present values).
+        """Return the array's parameters with `values` by name: new values, or factors if values differ between joints.
 
         Raises:
             ValueError: The array refuses a value.

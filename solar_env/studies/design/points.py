@@ -54,7 +54,7 @@ class Bench:
         """Choose the cheapest model level whose quantities, for the present array, are near the finest level's.
 
         Return the level and the reason in words. "Near" means within TOLERANCE. If the present array fails at the
-        finest level, the level is the default of `loads`.
+        finest level, the level is "flexible-clearance", the default of the command `loads`.
         """
         levels = [*map(Level, WITH_FITTINGS if self.plan.array.parameters.panel_masses else CANDIDATES)]
         results = self.measured([(self.plan.today(), level, 0) for level in (*levels, self.finest)], "levels")

@@ -40,7 +40,7 @@ class Design:
 
 
 def find_design(bench: Bench, seed: int, progress: bool) -> Design:
-    """Search for the best design, and simulate it again with other ensemble members at the finest model level."""
+    """Search for the best design by runs on `bench`; confirm it by other members at the finest level; return all."""
     plan = bench.plan
     level, reason = bench.level()
     (today,) = bench.measured([(plan.today(), level, 0)])
@@ -64,7 +64,10 @@ def _grid(plan: DesignPlan) -> list[dict[str, float]]:
 
 
 def _searched(bench: Bench, level: Level, today: Point, seed: int, progress: bool) -> list[Point]:
-    """Search by CMA-ES, and return all designs tried; a design that fails costs more than every acceptable design."""
+    """Search by CMA-ES with runs at the model level `level`, and return all designs tried.
+
+    A design that fails costs more than every acceptable one. Costs are divided by the present design's, `today`.
+    """
     plan, tried = bench.plan, []
     scale = today.figures[plan.least] if np.isfinite(today.figures[plan.least]) else 1.0
 

@@ -1,9 +1,11 @@
-"""Measurement of all model levels: the error of each level for each question of the ladder, and the level's cost.
+"""Measurement of the error of every model level in each result of interest, and of the level's computing cost.
 
-At every level the array deploys on springs alone and under fixed controllers. Ensemble means of the results are
-compared with a finer reference level's means. Every ensemble member has the same perturbation at all levels, so that
-common scatter cancels. The error bands are bootstrap bands over the members (B. Efron, Ann. Statist. 7 (1979) 1),
-widened for small ensembles (T. C. Hesterberg, Am. Stat. 69 (2015) 371, doi:10.1080/00031305.2015.1089789).
+Levels range from rigid panels with ideal joints to flexible panels and joints with clearance. A result of interest,
+such as "peak-force", is called a question. At every level the array deploys on springs alone and under fixed
+controllers. Ensemble means of the results are compared with a finer reference level's means. Every ensemble member has
+the same perturbation at all levels, so that common scatter cancels. The error bands are bootstrap bands over the
+members (B. Efron, Ann. Statist. 7 (1979) 1), widened for small ensembles (T. C. Hesterberg, Am. Stat. 69 (2015) 371,
+doi:10.1080/00031305.2015.1089789).
 """
 
 import math
@@ -49,7 +51,7 @@ CONTROLLERS = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """Results of one ensemble member at a model level: an array per question, such as "peak-force", and the cost."""
+    """One ensemble member's results by name, each a (quantities, components) array; also wall time and evaluations."""
 
     answers: dict[str, Array]  # question -> (k, d): k quantities, each a vector of d components
     wall: float  # time taken [s]
@@ -57,10 +59,11 @@ class Outcome:
 
 
 def deploy(level: Level, member: int, duration: float) -> Outcome:
-    """Simulate an ensemble member's deployment on springs alone for `duration` [s].
+    """Simulate an ensemble member's deployment at a model level, driven by springs alone, for `duration` [s].
 
     Returns:
-        The outcome: an array for each question, such as "peak-force", except the ranking of controllers; and the cost.
+        An `Outcome`: an array for each key of QUESTIONS, such as "peak-force", except "controller-ranking"; wall time
+        [s]; and number of evaluations of the right-hand side.
 
     Raises:
         ValueError: if a joint has not latched.
@@ -87,8 +90,8 @@ def control(level: Level, member: int, window: float) -> Outcome:
     """Simulate an ensemble member under every controller, each time until `window` [s] after the last latching.
 
     Returns:
-        The outcome. It answers the question RANKING with an array (controllers, 2): peak force [N] and sliding work [J]
-        after the first latching, summed over the joints as in the environment's reward.
+        An `Outcome` whose `answers` hold, under the key RANKING, an array (controllers, 2): peak force [N] and sliding
+        work [J] after the first latching, summed over the joints as in the environment's reward.
 
     Raises:
         ValueError: if a controller misses the environment's deadline, so that no ranking exists.
@@ -109,7 +112,7 @@ def control(level: Level, member: int, window: float) -> Outcome:
 
 
 def _drive(simulation: Simulation, torque: float, start: float, window: float) -> None:
-    """Simulate to `window` [s] after the last latching, or the deadline, with motor `torque` [N m] from `start` [s]."""
+    """Apply motor `torque` [N m] from `start` [s]; end `window` [s] after all joints latch, else at TASK's deadline."""
     if start > 0.0:
         simulation.advance(start)
     simulation.set_motor_torque(TASK.driven_joints[0], torque)
@@ -187,9 +190,11 @@ def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
 
 
 def error_of(question: str, found: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
-    """Return the error of a model level for a question of the ladder, and the half-width of the error's 95 % band.
+    """Return a model level's error in the result `question` (a key of QUESTIONS), and half the width of its 95 % band.
 
-    `found` are the level's ensemble members; they are compared with the same members of the level `reference`.
+    `found` are the level's ensemble members; they are compared with the same members at the reference level. The error
+    is relative to the reference's mean, for "tip-motion" to the array's length. For "controller-ranking" it is the
+    fraction of controller pairs in the wrong order.
     """
     level, other = (np.stack([run.answers[question] for run in runs]) for runs in (found, reference[: len(found)]))
     if question == RANKING:

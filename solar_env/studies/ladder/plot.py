@@ -1,4 +1,4 @@
-"""Plot of the ladder of model levels, from its table: for each question, cost against error, and the cheapest level."""
+"""Plot of all model levels' costs against their errors, with a chart for each computed result, such as "wear"."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,7 +21,7 @@ _NOTE = (
 
 
 def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
-    """Plot each level's cost (wall time over the reference's) against its error, for each question; return the file."""
+    """Plot relative wall time against error of the levels in `answers`, a chart per result; return the PNG's path."""
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {_size(answer): look_of(_size(answer), LEVEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
@@ -40,7 +40,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
 
 
 def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
-    """Return a title: the cheapest panel model with errors to _TOLERANCE for each question `asked`, such as "wear"."""
+    """Return a title: per result in `asked`, such as "wear", the cheapest panels with an error up to _TOLERANCE."""
     chosen: dict[str, list[str]] = {}
     for question in asked:
         within = [answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE]

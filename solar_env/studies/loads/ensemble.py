@@ -33,7 +33,7 @@ FINEST_OF_ELEMENTS = Level("flexible-clearance:12 elements", 10.0)
 GEOMETRIES = {
     "lankarani-nikravesh": "spheres",
     "pereira": "a cylinder in its bush",
-    "bracket": "bracket and bush that yield more than the surfaces",
+    "bracket": "bracket and bush that deform more than the surfaces",
 }
 
 
@@ -64,7 +64,7 @@ class LoadsPlan:
 
     @cached_property
     def forms(self) -> Mapping[str, ParameterFile]:
-        """Mapping of other bodies in contact, such as "spheres", to the array with their contact law, where valid."""
+        """Arrays with other contact laws, each keyed by its bodies in contact, such as "spheres"; only valid ones."""
         own = self.array.parameters.contact_law
         own = own if own in GEOMETRIES else next(iter(GEOMETRIES))
         ranges = {name: pair for name, pair in self.array.randomize.items() if name != "contact_stiffness"}
@@ -78,7 +78,10 @@ class LoadsPlan:
 
     @property
     def asked(self) -> tuple[tuple[Level, ParameterFile], ...]:
-        """An ensemble member's runs (level, array): chosen level, finest level, chosen one with other contact laws."""
+        """Pairs (model level, array) that are simulated for every ensemble member.
+
+        The array runs at the chosen level and the finest; then, at the chosen level, with each other contact law.
+        """
         level, finest = self.levels
         return (level, self.array), (finest, self.array), *((level, form) for form in self.forms.values())
 
@@ -140,7 +143,7 @@ class Loads:
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
     """Simulate the ensemble on `workers` processes, and return its results; runs stored in `folder` are not repeated.
 
-    If no parameter is drawn, the results lack the effects of the parameters; `measure_sensitivity` adds them.
+    If no parameter is sampled from a range, `Loads.sensitivity` is empty; `measure_sensitivity` supplies it.
 
     Raises:
         ValueError: if the folder holds another ensemble, or no run latches all joints.
@@ -155,9 +158,9 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console)
 
 
 def measure_sensitivity(loads: Loads, folder: Path, workers: int, console: Console) -> Loads:
-    """Shift one parameter at a time, simulate each array once, and return `loads` with the effects of all parameters.
+    """Simulate the array with one parameter shifted at a time; return `loads` with the changes that the shifts cause.
 
-    Runs are stored in `folder`. If parameters are drawn, their effects are known already, and nothing is simulated.
+    Runs are stored in `folder`. Nothing is simulated if a regression on sampled parameters has given their effects.
     """
     plan = loads.plan
     if plan.array.randomize:
@@ -183,9 +186,9 @@ def _never(plan: LoadsPlan, where: str) -> str:
 
 
 def gathered(plan: LoadsPlan, results: Sequence[Result]) -> Loads:
-    """Compute statistics from `results`, ordered by ensemble member, then as in `LoadsPlan.asked`.
+    """Return an ensemble's statistics, shock spectra and sensitivities, computed from its runs' results.
 
-    A member with a failed run is left out.
+    `results` are ordered by ensemble member, then as in `LoadsPlan.asked`. A member with a failed run is left out.
 
     Raises:
         ValueError: if no run latches all joints, or too many runs have failed.

@@ -22,7 +22,7 @@ _SHIFT = 1e-6  # s; time shift to either side of a sample; the coordinates of a 
 
 
 def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: Array) -> Array:
-    """Return the hub's (nt, 3) centroid velocity [m/s] and spin [rad/s], from coordinates `q` and velocities `v`."""
+    """Return the hub's (nt, 3) centroid velocity x, y [m/s] and spin [rad/s], from coordinates `q` and rates `v`."""
     ahead, behind = (hub_place(parameters, model, q + sign * _SHIFT * v) for sign in (1.0, -1.0))
     change = ahead - behind
     change[:, 2] = (change[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
@@ -30,9 +30,9 @@ def hub_velocity(parameters: ArrayParameters, model: ModelArrays, q: Array, v: A
 
 
 def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
-    """Return the (nt, 3) load, force [N] and torque about the hub's centroid [N m], of the root hinges on a fixed hub.
+    """Return the (nt, 3) force x, y [N] and torque about the hub's centroid [N m] that root hinges exert on the hub.
 
-    `place` holds the (nt, 3) position of the hub's centroid [m] and angle of the hub [rad].
+    `place` holds the (nt, 3) position of the hub's centroid [m] and angle of the hub [rad], constant for a fixed hub.
     """
     total, (c, s) = np.zeros((len(place), 3)), (np.cos(place[:, 2]), np.sin(place[:, 2]))
     for root in (joint for joint in parameters.joints if joint.inboard == MAIN_BODY):

@@ -24,7 +24,7 @@ _BARS = 8  # greatest number of parameters in a chart of sensitivities
 
 
 def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
-    """Return an ensemble's page, with sentences `before` (known without runs, see `statics`) and last lines `notes`."""
+    """Return an ensemble's `Page`; `before`, sentences known without runs, follow its first one; `notes` end it."""
     name = f"Nominal array, {loads.plan.levels[0].name}"
     charts = [
         *charts_of({name: nominal.trajectory}),
@@ -56,7 +56,7 @@ def _hub_charts(nominal: Deployment) -> Iterator[Chart]:
 
 
 def _ringing(nominal: Deployment) -> Iterator[Chart]:
-    """Yield a chart of the wing tips' displacements across the hub's axis after the last latching, less their means."""
+    """Yield a chart of wing tip displacements along the hub's y axis after the last latching, less their means."""
     trajectory = nominal.trajectory
     after = np.flatnonzero(trajectory.time > trajectory.latch_times.max())
     if len(after) < 2:
@@ -96,7 +96,7 @@ def _modes(loads: Loads) -> Iterator[Chart]:
 
 
 def _spectra(loads: Loads) -> Iterator[Chart]:
-    """Yield charts of shock spectra: mean and maximum over the chosen level's runs, and mean at the finest level."""
+    """Yield charts of shock spectra: mean and maximum of runs at the chosen model level, and mean at the finest one."""
     if not loads.hub_spectrum.size:
         return
     greatest = loads.hinge_spectrum[0].mean(axis=0).max(axis=0)

@@ -87,7 +87,8 @@ def _forms(loads: Loads) -> str:
     for contact, figures in loads.forms.items():
         joint = worst_joint(figures)
         name = loads.plan.array.parameters.joints[joint].name
-        told.append(f"{_with_interval(figures[joint], QUANTITIES['peak_force'])} at {name} as of {contact}")
+        force = _with_interval(figures[joint], QUANTITIES["peak_force"])
+        told.append(f"{force} at {name} by the contact law of {contact}")
         means.append(figures[joint].mean)
     low, high = (shortened(end) for end in (min(means), max(means)))
     return f"{', '.join(told)}: the model form leaves it between {low} and {high} N"
@@ -115,7 +116,7 @@ def what_changes(loads: Loads) -> str:
 
 
 def effect_text(effects: Effects, parameter: str) -> str:
-    """Format a parameter's effect: regression coefficient with interval, or changes [%] as it falls and rises."""
+    """Format an effect: regression coefficient, interval; or a quantity's changes [%] as a parameter falls, rises."""
     low, high = effects.low[parameter], effects.high[parameter]
     if math.isfinite(effects.explained):
         return f"{0.5 * (low + high):+.2f} \u00b1 {0.5 * (high - low):.2f}"
@@ -123,14 +124,14 @@ def effect_text(effects: Effects, parameter: str) -> str:
 
 
 def sureness(effects: Effects) -> str:
-    """State the variance that a regression explains or, for single shifts, the change that scatter alone may cause."""
+    """Return a phrase: the share of variance that a regression explains, or else the change that scatter may cause."""
     if math.isfinite(effects.explained):
         return f"{100.0 * max(effects.explained, 0.0):.0f} % of the variance explained"
     return f"below {shortened(100.0 * effects.noise)} % is scatter" if effects.noise > 0.0 else "scatter unknown"
 
 
 def _stated(figure: Figure, quantity: Quantity) -> str:
-    """State a quantity's mean with its interval, the high quantile with its bound, and the discretisation error."""
+    """Return a text: mean with interval, 99 % quantile with upper confidence bound (if known), discretisation error."""
     parts, (quantile, bound), unit = [_with_interval(figure, quantity)], _quantiles(figure, quantity), quantity.unit
     if quantile != "-":
         parts.append(f"99 % of deployments stay below {quantile} {unit} (with 95 % confidence below {bound} {unit})")
@@ -144,7 +145,7 @@ def _with_interval(figure: Figure, quantity: Quantity) -> str:
 
 
 def _quantiles(figure: Figure, quantity: Quantity) -> tuple[str, str]:
-    """Format the high quantile and its upper bound, to the digits that their difference allows; "-" if unknown."""
+    """Return the 99 % quantile and its upper bound as texts, in digits that their difference allows; "-" if unknown."""
     quantile, bound = quantity.scale * figure.quantile, quantity.scale * figure.quantile_bound
     return rounded(quantile, bound - quantile), rounded(bound, bound - quantile)
 
@@ -209,7 +210,7 @@ def tables(loads: Loads) -> list[Table]:
 
 
 def _changes(loads: Loads) -> Iterator[Table]:
-    """Yield a table, if effects are known: parameters that change a quantity most, at its joint of greatest mean."""
+    """Yield at most one table: the parameters that change each quantity most, at the joint of its greatest mean."""
     ranks = ("most", "then", "then")
     rows = []
     for name, by_joint in loads.sensitivity.effects.items():
@@ -232,7 +233,7 @@ def _joint_rows(loads: Loads, joint: int) -> Iterator[list[str]]:
         yield _row(QUANTITIES[name], loads.figures[name][joint])
         for contact, figures in loads.forms.items() if name == "peak_force" else ():
             *cells, _ = _row(QUANTITIES[name], figures[joint])
-            yield [f"{QUANTITIES[name].name}, as of {contact} (model form)", *cells[1:], "-"]
+            yield [f"{QUANTITIES[name].name}, contact law of {contact}", *cells[1:], "-"]
 
 
 def _row(quantity: Quantity, figure: Figure) -> list[str]:

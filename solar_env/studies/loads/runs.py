@@ -31,7 +31,11 @@ _CONTACTS = 100_000  # greatest number of contacts in a piece
 
 @dataclass(frozen=True)
 class Deployment:
-    """A deployment, simulated past its last latching; peak loads on a free hub are means over 50 microseconds."""
+    """Motion, loads and shock spectra of a deployment that was simulated past its last latching.
+
+    Peak loads on a free hub are the greatest means over 50 microseconds (before the first latching, 1 ms). On a fixed
+    hub they are the greatest of samples 1 ms apart.
+    """
 
     trajectory: Trajectory  # trajectory with a sample every millisecond
     place: Array  # (nt, 3) place of the hub's centroid [m] and angle of the hub [rad]
@@ -53,9 +57,10 @@ def member_parameters(parameters: ArrayParameters, ranges: Ranges, member: int) 
 
 
 def deploy(level: Level, parameters: ArrayParameters, member: int, window: float, deadline: float) -> Deployment:
-    """Return the `Deployment` until `window` [s] after the last latching, or to `deadline` [s] if a joint stays open.
+    """Simulate to `window` [s] after the last latching, or `deadline` [s] if a joint stays open; return a `Deployment`.
 
-    `parameters` belong to the ensemble member `member`, whose number also varies the integrator's tolerance.
+    `level` is the level of model detail, from rigid to finely discretised panels. `parameters` belong to the ensemble
+    member `member`, whose number also varies the integrator's tolerance.
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)

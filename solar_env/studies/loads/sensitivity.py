@@ -42,9 +42,10 @@ class Effects:
     """Effects of parameters on one quantity of one joint, or of the hub.
 
     Attributes:
-        low, high: by parameter. One at a time: the quantity's relative change if the parameter is smaller, or greater,
-            by the fraction SHARE; nan if that run was refused, failed or did not latch. For a regression: low and high
-            end of the standardised coefficient's 95 % interval.
+        low, high: a number for each parameter. After a regression: low and high end of the 95 % interval of the
+            parameter's standardised coefficient. After shifts of one parameter at a time: the quantity's relative
+            change when the parameter is lowered (`low`) or raised (`high`) by the fraction SHARE; nan if that run was
+            refused, failed or did not latch.
         noise: relative change that scatter between equal arrays may cause (95 %); 0 for a regression.
         explained: fraction of variance that a regression explains, adjusted for the number of parameters; else nan.
     """
@@ -55,7 +56,7 @@ class Effects:
     explained: float = np.nan
 
     def one_sided(self, parameter: str) -> bool:
-        """Return whether both shifts of a parameter, down and up, change the quantity alike and beyond the noise."""
+        """Return whether lowering and raising a parameter change the quantity in one direction, both beyond noise."""
         low, high = self.low[parameter], self.high[parameter]
         return not np.isfinite(self.explained) and low * high > 0.0 and min(abs(low), abs(high)) > self.noise
 
@@ -71,7 +72,7 @@ class Effects:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Effects by quantity and joint; empty if there are too few runs, or the nominal run failed."""
+    """Effects of parameters on each quantity of each joint or the hub; if unknown, empty with a reason in `missing`."""
 
     drawn: bool  # true for a regression on sampled parameters, false for one at a time
     effects: Mapping[str, tuple[Effects, ...]]
@@ -101,7 +102,7 @@ def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayP
 
 
 def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array]) -> Sensitivity:
-    """Return the effects of shifting one parameter at a time.
+    """Return a `Sensitivity`: each quantity's relative changes by joint when one parameter at a time is shifted.
 
     Args:
         runs: Shift (parameter, factor) -> result of the array with this parameter shifted; None -> the nominal array's.
@@ -140,7 +141,7 @@ def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array
 
 
 def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mapping[str, Array]) -> Sensitivity:
-    """Return the effects of sampled parameters on quantities, by linear regression.
+    """Return a `Sensitivity`: 95 % intervals of standardised coefficients when quantities are regressed on parameters.
 
     Args:
         ranges: Ranges of the sampled parameters.
@@ -161,7 +162,7 @@ def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mappi
 
 
 def _regressed(columns: Mapping[str, Array], y: Array) -> Effects:
-    """Return 95 % intervals of standardised coefficients when `y` is regressed on `columns` (parameter -> values)."""
+    """Regress `y` on `columns` (name -> values); return 95 % intervals, low to high, of standardised coefficients."""
     known = np.isfinite(y)
     count, freedom = int(known.sum()), int(known.sum()) - len(columns) - 1
     unknown = dict.fromkeys(columns, np.nan)

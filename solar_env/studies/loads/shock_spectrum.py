@@ -20,6 +20,7 @@ QUALITY = 10.0  # 5 % of critical damping, as is usual in specifications of shoc
 def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALITY) -> tuple[Array, Array]:
     """Return the numerator and denominator (3,) of the digital filter from a load history to an oscillator's response.
 
+    The response to a base's acceleration is the mass's acceleration; to a force on the mass, the force in its mount.
     The filter is exact for histories that are linear between their samples, `rate` per second. `frequency` [Hz] is
     the undamped natural frequency, `quality` 1 / (2 * damping ratio).
     """
@@ -43,7 +44,7 @@ class ShockSpectrum:
         self.peaks = np.zeros((len(frequencies), channels))
 
     def add(self, history: Array) -> None:
-        """Process the next n >= 1 samples (n, channels, 2), and update `peaks`; the oscillators start at rest."""
+        """Process n >= 1 more samples (n, channels, 2) of x and y; update `peaks`. The oscillators start at rest."""
         for k in range(len(self._filters)):
             self._add(k, history)
 

@@ -1,4 +1,4 @@
-"""Statistics of an ensemble: mean with its interval, high quantile, model error, in as many digits as are certain.
+"""Statistics of an ensemble: mean, high quantile and discretisation error; and rounding to the digits that are certain.
 
 The high quantile is of a lognormal distribution, as is usual for shock loads (NASA-HDBK-7005, "Dynamic environmental
 criteria", 2001, section 6), with its one-sided upper tolerance bound by the noncentral t distribution.
@@ -20,7 +20,7 @@ QUANTILE, CONFIDENCE = 0.99, 0.95
 
 @dataclass(frozen=True)
 class Figure:
-    """Statistics of a quantity over an ensemble; nan where runs are too few, or values not positive (quantiles)."""
+    """Statistics of a quantity over an ensemble; nan if runs are too few, quantiles also if a value is not positive."""
 
     mean: float
     low: float  # 95 % interval of the mean
@@ -38,9 +38,10 @@ class Figure:
 
 
 def figure_of(level: Array, finer: Array) -> Figure:
-    """Return the statistics of an ensemble's (n,) values at a model level; values of nan are left out.
+    """Return mean, 99 % quantile and discretisation error of an ensemble's (n,) values, each with interval or bound.
 
-    `finer` has the same members' values at a finer level: the mean difference is the discretisation error.
+    `level` has the values at a model level, `finer` the same members' at a finer one; nan is left out. The mean of
+    `finer` - `level` is the discretisation error.
     """
     values, paired = (members[np.isfinite(members)] for members in (level, finer - level))
     error, low, high = _band(paired)

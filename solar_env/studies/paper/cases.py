@@ -55,7 +55,7 @@ class CaseRun:
 
 
 def simulate_run(run: CaseRun) -> Trajectory:
-    """Return the trajectory of a run with the default integrator; ensemble members differ as in `motion.perturbed`."""
+    """Return a run's trajectory; ensemble members above 0 have slightly other initial joint rates and tolerance."""
     model, changes = CASES[run.case]
     parameters = ArrayParameters.preset("paper").with_changes(dict(run.changes)).with_changes(changes)
     return Level(with_panels(model, PANELS)).deploy(parameters, run.member, DURATION, OUTPUT_STEP)

@@ -38,7 +38,7 @@ class FourBar(PaperFigure):
     """Figure of the four-bar linkage: crank moment and rocker speed in the last turn, and wear by number of turns."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return table rows of runs with clearance, and of one turn without, labelled 0 turns. `members` is unused."""
+        """Return rows for runs with clearance, and for a crank turn with ideal joints (`turns` 0); ignore `members`."""
         motions = {0: simulate_four_bar(1, with_clearance=False)}
         motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
         rows: list[Row] = []
@@ -72,7 +72,7 @@ class FourBar(PaperFigure):
 
 
 def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]:
-    """Return a row for each point of a curve: `quantity`, `turns` (label), place (time [s] or angle [deg]), value."""
+    """Return a row per point: `quantity`, number of crank `turns` (0: ideal joints), place ([s] or [deg]), value."""
     pairs = zip(places.tolist(), values.tolist(), strict=True)
     return [{"quantity": quantity, "turns": turns, "place": place, "value": value} for place, value in pairs]
 

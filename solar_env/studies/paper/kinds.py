@@ -45,7 +45,7 @@ class PaperFigure(ABC):
     Attributes:
         number: number of the figure in the paper.
         title: content of the figure.
-        cases: names of the deployments needed; a `CaseFigure`'s second has the contact stiffness of the paper's Eq 40.
+        cases: names of the deployments shown; the second of two has the contact stiffness of the paper's Eq 40.
         ensemble: true if the figure shows median and range of an ensemble. Otherwise the figure shows the nominal
             run, for example because impacts strike at other times in every member.
     """
@@ -94,10 +94,10 @@ class PaperFigure(ABC):
 
 
 class DeploymentFigure(PaperFigure):
-    """A figure of deployments, whose table has a column for each quantity."""
+    """A figure of deployments; its table has a column for the abscissa, such as time, and one for each curve."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return the table, rounded to nine digits; for ensembles medians, and columns `..._least`, `..._greatest`."""
+        """Return a row per abscissa value, in nine digits: a run's values or an ensemble's median, least, greatest."""
         tables = [self._columns(member) for member in members]
         columns = tables[0]
         if self.ensemble:
@@ -116,7 +116,7 @@ class DeploymentFigure(PaperFigure):
 
 
 class CaseFigure(DeploymentFigure):
-    """A figure of one deployment, or of two side by side; the second's table columns begin with "eq_40_"."""
+    """A figure of one deployment, or of two: the second has the paper's contact stiffness Eq 40 ("eq_40_" columns)."""
 
     def _columns(self, member: Member) -> dict[str, Array]:
         first, *others = (self._of(member[case]) for case in self.cases)
@@ -172,7 +172,7 @@ class Angles(CaseFigure):
 
 @dataclass(frozen=True)
 class JournalPath(CaseFigure):
-    """A figure of a journal's path in each of three PHASES, and its coordinates over time; `joint` counts from 0."""
+    """A figure of a journal's path (impacts, deployment, after latching) and its x, y in time; `joint` is 0 or 1."""
 
     joint: int
 
@@ -205,7 +205,7 @@ class JournalPath(CaseFigure):
 
 
 class ContactForces(CaseFigure):
-    """A figure of each joint's greatest contact force in time windows of FORCE_WINDOW; two cases stand side by side."""
+    """A figure of each joint's greatest contact force in 0.01 s windows; each of two deployments has its own plots."""
 
     column, label, unit = "force_{}_N", "contact force [N]", "N"
 
@@ -249,7 +249,7 @@ class Torques(ContactForces):
 
 
 class Wear(CaseFigure):
-    """A figure of wear depths round bearings and journals, for both contact stiffnesses; it states the deepest wear."""
+    """A figure of wear depth round bearings and journals, for contact stiffness by the paper's Table 1 and Eq 40."""
 
     ensemble = True
 
@@ -285,7 +285,10 @@ class Wear(CaseFigure):
 
 @dataclass(frozen=True)
 class Models(DeploymentFigure):
-    """A figure of a joint quantity in the four MODELS, and of its differences from the first model, phase by phase."""
+    """A figure of a joint quantity in four models: rigid or flexible panels, ideal joints or joints with clearance.
+
+    It also shows differences from the first model in initial impacts, later deployment, and after latching.
+    """
 
     quantity: str
     unit: str

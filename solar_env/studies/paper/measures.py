@@ -1,4 +1,4 @@
-"""Quantities that test the paper's statements: functions of the trajectories that a claim names, in the claim's order.
+"""Quantities that test the paper's claims: functions of trajectories, passed in the order in which a claim names them.
 
 `ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` make such functions from simpler quantities.
 """
@@ -49,21 +49,21 @@ def joint_2_over_1(figure: FigureOfJoint) -> Figure:
 
 
 def over_joints(choose: Callable[[Iterable[float]], float], figure: FigureOfJoint) -> Comparison:
-    """Return a function that divides `figure` of one trajectory by a second's for each joint, then applies `choose`."""
+    """Return a function of trajectories a, b: `choose`, such as `max`, of all figure(a, joint) / figure(b, joint)."""
     return lambda motion, reference: choose(figure(motion, joint) / figure(reference, joint) for joint in JOINTS)
 
 
 def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
-    """Return a function that divides `figure` of a joint with 0.2 mm clearance by its value with 0.1 mm.
+    """Return a function: a joint's quantity `figure` at 0.2 mm clearance, divided by its value at 0.1 mm.
 
-    The function takes two trajectories. In the first, joint 1 has 0.1 mm and joint 2 has 0.2 mm (distribution 1); in
-    the second, joint 1 has 0.2 mm and joint 2 has 0.1 mm (distribution 2). `joint` counts from 0.
+    The function takes two trajectories. In the first, joint 0 has 0.1 mm and joint 1 has 0.2 mm (distribution 1); in
+    the second, conversely (distribution 2). For `joint` 0 the second is thus the numerator, for `joint` 1 the first.
     """
     return lambda one, two: figure((two, one)[joint], joint) / figure((one, two)[joint], joint)
 
 
 def contacts_of(motion: Trajectory, joint: int) -> NDArray[np.void]:
-    """Return the contacts of a joint in the order of their starts; an open contact gets the end time of the run."""
+    """Return a joint's contacts by start time; a contact that lasts to the end of the run gets that time as its end."""
     contacts = motion.contacts[motion.contacts["joint"] == joint].copy()
     contacts["end_s"] = np.where(np.isnan(contacts["end_s"]), motion.time[-1], contacts["end_s"])
     return contacts[np.argsort(contacts["start_s"], kind="stable")]
@@ -77,7 +77,10 @@ def settled(motion: Trajectory, joint: int) -> float:
 
 
 def contacts_in(motion: Trajectory, joint: int, phase: int) -> NDArray[np.void]:
-    """Return a joint's contacts that start in a phase (1 to 3, see `phase_of`), without the first lasting contact."""
+    """Return a joint's contacts that start in a phase: 1 initial impacts, 2 later deployment, 3 after its latching.
+
+    The first contact of 0.05 s or more, which ends the initial impacts, is left out.
+    """
     contacts, first, latched = contacts_of(motion, joint), settled(motion, joint), motion.latch_times[joint]
     start = contacts["start_s"]
     return contacts[{1: start < first, 2: (start > first) & (start < latched), 3: start > latched}[phase]]
@@ -131,13 +134,16 @@ def rank_correlation(a: Array, b: Array) -> float:
 
 
 def decay(motion: Trajectory, joint: int) -> float:
-    """Return the rank correlation of impact speed with time over a joint's initial impacts."""
+    """Return the rank correlation of impact speed with time, for a joint's impacts before its first 0.05 s contact."""
     initial = contacts_in(motion, joint, 1)
     return rank_correlation(initial["start_s"], initial["impact_speed"])
 
 
 def one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
-    """Return the length of the mean unit vector of contact directions in a phase (1 to 3): 1 one-sided, 0 all round."""
+    """Return the length of the mean unit vector of a joint's contact directions: 1 one-sided, 0 all round.
+
+    Only samples in contact during `phase` count: 1 initial impacts, 2 later deployment, 3 after the joint's latching.
+    """
     touching = (phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
     return float(np.abs(np.exp(1j * journal_angle(motion, joint)[touching]).mean()))
 
@@ -187,7 +193,10 @@ def window_force(motion: Trajectory, joint: int) -> float:
 
 
 def bursts(motion: Trajectory) -> float:
-    """Return the rank correlation of peak contact force and summed latch torque in 0.25 s windows after latching."""
+    """Return the rank correlation of peak contact force and peak latch torque in 0.25 s windows after latching.
+
+    The force is the greater of both joints' peaks; the torque is the sum of both joints' peaks.
+    """
     edges = windows_after_latching(motion)
     torques = np.sum([greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
     return rank_correlation(window_forces(motion).max(axis=0), torques)

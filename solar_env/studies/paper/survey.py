@@ -35,8 +35,8 @@ class Finding:
         claim: claim that is judged.
         median, least, greatest: statistics of the claim's quantity over the ensemble.
         agreeing: fraction of the ensemble members in which the claim holds.
-        holds_for: parameter that the paper leaves open -> values at which the claim holds, the default included.
-        fails_for: parameter that the paper leaves open -> values at which the claim fails, the default included.
+        holds_for: parameter that the paper leaves open -> tested values at which the claim holds.
+        fails_for: the same parameters -> the other tested values. The `paper` preset's value is among the tested ones.
     """
 
     claim: Claim
@@ -54,7 +54,7 @@ class Finding:
 
 
 def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[CaseRun]:
-    """Return all runs that the claims need, the longest first; `members` is the ensemble's size at preset values."""
+    """Return all runs that the claims need, the longest first; each case has `members` runs at the preset itself."""
     runs = [CaseRun(case, member) for claim in claims for case in claim.cases for member in range(members)]
     for claim in claims:
         for parameter in claim.open_parameters:
@@ -89,7 +89,7 @@ def judge(claim: Claim, motions: Motions) -> Finding:
 
 
 def _figures(claim: Claim, motions: Motions, members: Iterable[int], changes: Changes = ()) -> np.ndarray:
-    """Return the claim's quantity for each of `members`, simulated with the `paper` preset or with `changes` to it."""
+    """Return the claim's quantity for each ensemble member, from its runs in `motions` with `changes` to the preset."""
     return np.array(
         [claim.value({case: motions[CaseRun(case, member, changes)] for case in claim.cases}) for member in members]
     )
@@ -140,7 +140,7 @@ def as_markdown(findings: Sequence[Finding]) -> str:
 
 
 def _places(finding: Finding) -> str:
-    """List, for parameters that the paper leaves open, the values at which the claim holds, and at which it fails."""
+    """Return a text: for each parameter left open, values at which the claim holds, then "not" and values that fail."""
     places = []
     for name, held in finding.holds_for.items():
         failed = finding.fails_for[name]

@@ -116,7 +116,7 @@ class TreeArray(PeerArray):
         return [(self.ground, marker) for marker in turned]
 
     def angles(self, *values: Value) -> tuple[Value, Value]:
-        """Return the two joint angles [rad]; `values`: rotations [rad] in hinges 1 and 2, coordinates of the tree."""
+        """Return the two joint angles [rad]; `values` are hinge rotations [rad], the second with opposite sign."""
         return values[0], -values[1]
 
 

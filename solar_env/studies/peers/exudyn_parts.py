@@ -70,7 +70,7 @@ class PeerArray(ABC):
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:
-        """Add torques of springs and cable loop on `nodes`; `to_angles` (2, n) maps coordinates to joint angles."""
+        """Add to the system spring and cable torques on `nodes`; `to_angles` (2, n) maps coordinates to angles."""
         p = self.p
         springs = [p.by_joint("spring_stiffness", j) for j in (0, 1)]
         relaxed = [p.by_joint("spring_preload_angle", j) for j in (0, 1)]
@@ -129,7 +129,7 @@ class PeerArray(ABC):
                 self.sensors[node] = place, rate
 
     def _add_latches(self, coordinates: list[tuple[int, int]]) -> None:
-        """Add a latch to each marker pair; assemble the system. A latch engages at the first step past its angle."""
+        """Add latches to pairs of marker numbers; assemble. A latch engages at the first step past its lock angle."""
         system, latch_times, objects = self.system, self.latch_times, []
         locks = [joint.lock_angle for joint in self.p.joints]
         for j, pair in enumerate(coordinates):

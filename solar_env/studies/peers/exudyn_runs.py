@@ -19,7 +19,7 @@ _STAGES = {"RK44": 4, "ExplicitMidpoint": 2}
 
 
 def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
-    """Simulate a scene with one of Exudyn's solvers on one thread, at a step [s].
+    """Simulate a deployment with one of Exudyn's solvers on one thread, at a step [s]; return the `Motion` record.
 
     "generalized-alpha" (index 3) halves the step where Newton's iteration fails. "explicit", for rigid panels only, has
     fourth order (on a kinematic tree) with ideal joints, and second order with clearance.

@@ -47,7 +47,7 @@ Key = tuple[Ensemble, int | None]
 
 
 def family(level: Ensemble) -> str:
-    """Return the kind of panels of a model level: "rigid", "elements" or "modes"."""
+    """Return the panel model of an `Ensemble` (panels, tolerance, number of runs): "rigid", "elements" or "modes"."""
     return _level(level, "ideal").panels.unit or "rigid"
 
 
@@ -57,9 +57,10 @@ def _level(level: Ensemble, joint: str) -> Level:
 
 
 def runs(plan: ChartPlan) -> dict[Key, Job]:
-    """Return the jobs of every model level: one deployment with ideal joints, and an ensemble with clearance.
+    """Return timed simulations (jobs) of every panel model: a run with ideal joints, and an ensemble with clearance.
 
-    Jobs are ordered by member, so that disturbances of the machine affect all levels alike.
+    Keys are (record of the panel model and tolerance, index of the ensemble member or None for ideal joints). Jobs are
+    ordered by ensemble member, so that disturbances of the computer affect all panel models alike.
     """
     jobs: dict[Key, Job] = {}
     for member in (None, *range(max(level.members for level in plan.levels))):
@@ -121,7 +122,7 @@ def _means(ensemble: list[Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Plot wall time against errors (ideal joints) or ensemble means (clearance); write tables; return both files."""
+    """Plot wall time against errors (ideal joints) and ensemble means (clearance); return paths of plot and tables."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):
@@ -150,7 +151,7 @@ def draw(rows: Table, folder: Path) -> list[Path]:
 
 
 def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str) -> tuple[float, float]:
-    """Return the relative difference of two rows' means in column `name`, and its standard error; nan if unknown."""
+    """Return first mean / second mean - 1 in column `name` of two rows, and standard error; nan if the second is 0."""
     (mean, error), (right, right_error) = (
         [number(row, name + end) for end in ("", "_error")] for row in (first, second)
     )
@@ -160,7 +161,7 @@ def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str)
 
 
 def conclusion(rows: Table) -> str:
-    """Return a title on whether the finest beams and modes agree in ensemble means, and on the greatest difference."""
+    """Return a title: whether, and by how much at most, ensemble means of the finest beam and modal models differ."""
     beams, modes = (rows.where(family=kind).rows[-1] for kind in (ELEMENTS, MODES))
     found = [
         (*difference(beams, modes, f"{statistic}_{joint}"), f"{label.partition(' [')[0]} of joint {joint}")
@@ -200,7 +201,7 @@ def _page(rows: Table) -> str:
 
 
 def _mean(row: Mapping[str, Cell], statistic: str, joint: int) -> tuple[float, float]:
-    """Return ensemble mean and standard error of `statistic` (key of MEANS) at a joint, in the units of its label."""
+    """Return mean and standard error of a statistic (key of MEANS) at a joint, in the unit of the statistic's label."""
     mean, error = (number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
     return MEANS[statistic][1] * mean, MEANS[statistic][1] * error
 

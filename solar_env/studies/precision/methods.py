@@ -47,7 +47,7 @@ class Method:
         return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
-        """Simulate a deployment at a step or tolerance, with the flexible panels that the method prescribes, if any."""
+        """Return a deployment's `Motion` at a step or tolerance, with the panels that the method prescribes, if any."""
         return self.program(self.scene(scene), setting)
 
     def scene(self, scene: Scene) -> Scene:
@@ -60,12 +60,12 @@ class Method:
 
 
 def ours(make: Callable[[float], Integrator]) -> Program:
-    """Return a function that simulates a deployment with this library; `make` returns its integrator for a setting."""
+    """Return a function that maps a deployment and a step or tolerance to a `Motion`; `make` makes our integrator."""
     return lambda scene, setting: run_ours(scene, make(setting))
 
 
 def exudyn(solver: str) -> Program:
-    """Return a function that simulates a deployment with Exudyn's `solver`, and imports Exudyn only when called."""
+    """Return a function that maps a deployment and a step [s] to Exudyn's `Motion`; Exudyn is imported when called."""
 
     def solve(scene: Scene, setting: float) -> Motion:
         from solar_env.studies.peers.exudyn_runs import run_exudyn

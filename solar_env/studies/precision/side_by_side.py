@@ -1,8 +1,8 @@
 """Wall times of whole deployments by this library, and by Exudyn at its cheapest settings, compared at equal error.
 
 Errors include the panel models' errors, because users get the sum. With flexible panels, angles and latch times are
-compared with beams of 24 elements, four times as many as in Exudyn's runs. Peak forces are compared with an ensemble
-of modal panels that more modes or a tighter tolerance would not change (`convergence`).
+compared with beams of 24 elements, four times as many as in Exudyn's runs. Peak forces are compared with means of
+a converged ensemble: more modes or a tighter tolerance would not change them (study `convergence`).
 """
 
 import math
@@ -139,7 +139,7 @@ def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
 
 
 def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
-    """Return the (members, joints) peak forces after latching [N] from a case's runs that recorded peak forces."""
+    """Return the (runs, joints) peak forces after latching [N] from a case's ensemble runs that recorded forces."""
     peaks = [
         result.motion.totals["peak_force_N"]
         for of, result in results.items()
@@ -150,7 +150,7 @@ def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
 
 
 def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
-    """Return table cells: mean peak forces divided by the converged ensemble's, and standard errors, or nan."""
+    """Return, by joint, mean peak force divided by the reference ensemble's, and standard error; nan if unrecorded."""
     means, errors = np.full(2, math.nan), np.full(2, math.nan)
     forces, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
     if len(forces) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
@@ -192,7 +192,7 @@ def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """Return a title: by model, the least ratio of the peer's wall time to ours where ours is at least as accurate."""
+    """Return a title with each model's least ratio of Exudyn's wall time to this library's at no larger errors."""
     least: dict[str, float] = {}
     for row in rows.where(peer=1).rows:
         ratio = ratio_at_equal_error(rows, row)

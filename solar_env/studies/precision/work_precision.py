@@ -87,7 +87,10 @@ def tabulate(plan: ChartPlan, results: Mapping[Key, Measured]) -> list[Row]:
 
 
 def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
-    """Return a run's errors against run `right`: of angles before latching, and of latch times; nan if it failed."""
+    """Return table cells with the greatest errors of a run's angles before latching [rad] and of its latch times [s].
+
+    `right` is the reference run. Both errors are nan if the run failed (`motion` is None).
+    """
     if motion is None:
         return dict.fromkeys(ERRORS, math.nan)
     return {
@@ -176,7 +179,7 @@ def _page(rows: Table) -> str:
 
 
 def _least(rows: Table) -> str:
-    """Format a method's least wall time on a model at an error of GOAL or less, and order; empty without rows."""
+    """Format a method's least wall time [s] at an angle error up to GOAL, and convergence order; "" without rows."""
     row = cheapest(rows)
     found = order(rows) if rows.rows else math.nan
     words = f"{row['wall_s']:.3g}" if row else "not reached" if rows.rows else ""

@@ -2,8 +2,9 @@
 
 A block bounces between the two walls of its gap (`textbook.bouncing_block`). Nothing acts in free flight, so that the
 impact speed of a contact is the exit speed of the contact before. The ratio of successive impact speeds is therefore
-the restitution of a bounce, which is compared with the contact law's exact restitution. A contact law's factor
-1 + d rate / impact speed is singular at zero impact speed if d > 0; the minimum impact speed prevents the singularity.
+the restitution of a bounce, which is compared with the contact law's exact restitution. Damping multiplies the
+contact force by 1 + d * (depth rate / impact speed), with the damping factor d. Zero impact speed would make this
+singular; a minimum impact speed prevents the singularity.
 """
 
 import math
@@ -53,7 +54,11 @@ def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float
 
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Finding:
-    """Return the worst of the `bounce_ratios` of contact law `panel`, and its class; step: `share` * impact time."""
+    """Simulate a bouncing block by generalized-alpha; return the worst ratio of its exit speed to the exact one.
+
+    A class is returned too, such as "fine" (ratios within 1 % of 1) or "over-damped". The subplot `panel` names the
+    contact law. The step is `share` times the undamped duration of the first impact.
+    """
 
     def judge(ratios: NDArray[np.float64]) -> Finding:
         worst = float(ratios[np.argmax(np.abs(ratios - 1.0))])

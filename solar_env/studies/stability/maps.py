@@ -37,7 +37,7 @@ class Kind(StrEnum):
 
 
 class Said(StrEnum):
-    """Report by this library on a run of a map: an error, a warning, a quantity of the result, or nothing."""
+    """Kind of report by this library on a simulation: an error, a warning, a quantity in its result, or no report."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -57,7 +57,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of a run in a map: outcome, measured value (nan if an error was raised), what this library reported."""
+    """Result of a stability map's simulation: outcome, computed value (nan after an error), this library's report."""
 
     kind: Kind
     value: float

@@ -46,9 +46,10 @@ def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
 
 
 def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Finding:
-    """Return the greatest constraint-force error after a step change (see `multiplier_errors`), and a class.
+    """Return a pendulum's greatest constraint-force error after a change of the time step, and a class of its course.
 
-    The class is fine (up to 0.2), spikes (recovers) or growing. `ratio` is new / old step. `panel` is not used.
+    Errors are divided by the greatest force. The class is "fine" if no error exceeds 0.2, "spikes" if no error in the
+    last quarter of the steps does, or "growing". `ratio` is new step / old step. `panel` is not used.
     """
 
     def judge(errors: NDArray[np.float64]) -> Finding:
@@ -75,8 +76,9 @@ def impact_time(stiffness: float) -> float:
 def measure_latch(panel: str, step: float, stiffness: float) -> Finding:
     """Simulate a link in an undamped latch of `stiffness` [N m/rad]; return final / initial energy, and a class.
 
-    `panel` names the integrator; `step` [s] is its fixed or longest step. The class is wrong if the energy
-    is right, but the link's greatest depth in the stop is more than 2 % off the closed form.
+    `panel` names the integrator; `step` [s] is its fixed or longest step. The energy's error gives the class, such as
+    "fine" (up to 2 %) or "growing". The class is "wrong value" if the energy is fine, but the link's greatest depth in
+    the stop is more than 2 % off the closed form.
     """
     duration = LATCH_TIME + 2.0 * impact_time(stiffness)
     method: Integrator = RungeKutta(max_step=step, max_steps=MOST_STEPS)

@@ -41,7 +41,7 @@ def moments(model: str) -> tuple[State, ...]:
 
 
 def placements(model: str, lanes: int) -> list[list[State]]:
-    """Return lists with a saved state for each lane (environment); all lists together hold all 128 (MOMENTS) states."""
+    """Return lists of `lanes` saved simulation states, one per environment; together they hold all 128 (MOMENTS)."""
     every = moments(model)
     return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
@@ -83,11 +83,12 @@ Contestant = tuple[Any, Sequence[Callable[[], object]]]
 
 
 def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, float]:
-    """Measure steps per second of several environments stepped in turn, so that disturbances affect all alike.
+    """Return vector environments' steps per second by name. They take turns, so that disturbances affect all alike.
 
-    `contestants` maps a name to (environment, placements). A placement is a function that restores saved states in all
-    `lanes` lanes (single environments). In a round, each environment takes one step from each of its placements. The
-    time of a step from a placement is the median over all rounds but the first. All have equally many placements.
+    `contestants` maps a name to (vector environment, placements). A placement is a function that restores a saved state
+    in each of the `lanes` single environments, whose steps all count. In a round, each vector environment takes one
+    step from each of its placements; all have equally many. The time of a step from a placement is the median over all
+    rounds but the first.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     rounds: list[list[list[float]]] = []
@@ -110,7 +111,10 @@ def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, floa
 
 
 def measure_rate(model: str, lanes: int) -> dict[str, float]:
-    """Measure our vector environment's steps/s; for SCALED_LANES lanes also the fraction of time in compiled code."""
+    """Measure our vector environment's steps per second with `lanes` environments; return {str(lanes): rate}.
+
+    If `lanes` is SCALED_LANES, a key "compiled" is added: the fraction of the time spent in compiled code.
+    """
     env = make_native(model, lanes)
     taken = {"step": 0.0, "run": 0.0}
     for owner, name in ((env, "step"), (env.episodes.batch, "run")):

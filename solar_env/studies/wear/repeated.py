@@ -35,7 +35,7 @@ MEMBERS = 4  # runs of the ensemble that represents a deployment
 
 @dataclass(frozen=True)
 class Deployment:
-    """One simulated deployment of a campaign, with a value per joint; wear and force are means over an ensemble."""
+    """Deployment, simulated by an ensemble of runs. Arrays hold a value per joint; wear and force are mean values."""
 
     number: int  # number of deployments before this one
     repeated: int  # number of successive deployments that this one represents, itself included

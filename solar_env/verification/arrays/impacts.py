@@ -133,7 +133,7 @@ def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterato
 
 
 def explicit_impacts() -> Iterator[Check]:
-    """Check exit speeds of the impacts in a deployment with rigid panels."""
+    """Check the explicit method's exit speeds of impacts, with rigid panels, against accurate runs of each impact."""
     name, tight = "rigid-clearance, 30 s", RungeKutta(rtol=1e-10, impact_resolution=_STEPS_PER_IMPACT)
     speed, errors, left_out = impacts("rigid-clearance", 30.0, tight, IMPACT_DURATIONS)
     yield from _compared(name, speed.size, 1000, left_out)
@@ -141,9 +141,9 @@ def explicit_impacts() -> Iterator[Check]:
 
 
 def modal_impacts() -> Iterator[Check]:
-    """Check exit speeds of the impacts in a deployment with modal panels.
+    """Check exit speeds of impacts, with modally reduced flexible panels, against more accurate runs of each impact.
 
-    The integrator's tolerance corresponds to a speed of 0.1 mm/s. Exit speeds of slow impacts are therefore compared by
+    The integrator's tolerance corresponds to a speed of 0.1 mm/s. Exit speeds of slow impacts are therefore judged by
     their absolute errors, not by errors relative to the impact speed.
     """
     model = "flexible-clearance"

@@ -77,7 +77,7 @@ class Chain:
         return matrix
 
     def applied(self, angles: Array, rates: Array, torques: Array) -> Array:
-        """Return the `size` generalized forces of torques (n,) [N m] on the links, gravity and centrifugal terms."""
+        """Return the (`size`,) sum of generalized forces: `torques` (n,) on links [N m], gravity, centrifugal terms."""
         forces = self.masses * ((self.arms * np.exp(1j * angles)) @ rates**2 + self.gravity)
         total = (self.jacobian(angles).conj().T @ forces).real
         total[: len(self.links)] += torques
@@ -138,7 +138,7 @@ def folded_angles(p: ArrayParameters) -> Array:
 
 
 def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
-    """Return M (panels, links): joint angles = M (link angles - folded angles), link torques = M^T joint torques."""
+    """Return M (joints, links): joint angles = M (link angles - folded angles), link torques = M^T joint torques."""
     matrix = np.zeros((p.panel_count, p.panel_count + 1))
     for k, joint in enumerate(p.joints):
         matrix[k, k], matrix[k, k + 1] = -joint.sign, joint.sign

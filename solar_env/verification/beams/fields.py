@@ -31,7 +31,10 @@ def as_complex(coordinates: NDArray[np.float64]) -> Field:
 
 
 def nodes(body: FlexibleBody, values: NDArray[np.float64], first: int = 0) -> tuple[Field, Field]:
-    """Return a beam's nodal positions and slopes, each x + i y (nodes, ...), at index `first` of `values` (..., n)."""
+    """Return a beam's nodal positions and slope vectors x + i y, each (nodes, ...), or their velocities.
+
+    `values` (..., n) are the mechanism's coordinates or velocities; the beam's begin at index `first` of the last axis.
+    """
     points = as_complex(np.asarray(values)[..., coordinates_of(body, first)])
     return points[0::2], points[1::2]
 

@@ -36,9 +36,9 @@ class StrainBeam:
         root_angle: Callable[[float], tuple[float, float, float]] | None = None,
         gravity: float = 0.0,
     ) -> None:
-        """Set up the equations: `turns` terms for direction, `stretches` for stretch, `gravity` [m/s2] along -y.
+        """Set up the equations: `turns` series terms for the centreline's direction, `stretches` terms for its stretch.
 
-        `root_angle` gives angle, rate and acceleration of the root at a time [s]; None stands for a pinned root.
+        `root_angle` gives the root's angle, rate and acceleration at a time [s]; None pins it. `gravity` acts along -y.
         """
         self.beam, self.turns, self.stretches = beam, turns, stretches
         self.root_angle, self.gravity = root_angle, gravity

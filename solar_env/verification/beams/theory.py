@@ -94,7 +94,7 @@ def bending_frequencies(support: str, beam: Beam, count: int) -> Array:
 
 
 def axial_frequencies(support: str, beam: Beam, count: int) -> Array:
-    """Return the lowest (count,) axial frequencies [Hz] of a bar that is "free-free", or otherwise held at one end."""
+    """Return the lowest (count,) axial frequencies [Hz] of a bar, held at one end unless `support` is "free-free"."""
     speed = math.sqrt(beam.axial_stiffness / beam.linear_density)
     quarters = 2.0 * np.arange(1, count + 1) - (0.0 if support == "free-free" else 1.0)
     return np.asarray(quarters * speed / (4.0 * beam.length))
@@ -132,16 +132,17 @@ def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, fl
 
 
 def element_deflection_error(load: float, slenderness: float, elements: int) -> float:
-    """Compute the leading error of tip deflection / length of a cantilever of cubic elements under a transverse load.
+    """Compute the leading error (computed - exact) of a cantilever's tip deflection, divided by its length.
 
-    The elements minimize the potential over a smaller space. To first order this adds the energy of the fields that
-    they cannot represent. The missing deflection is the derivative of this energy with respect to the load P.
+    The cantilever has cubic elements and a transverse tip load P. The elements minimize the potential over a smaller
+    space. To first order this adds the energy of the fields that they cannot represent. The missing deflection is the
+    derivative of this energy with respect to P.
 
-    Let r(s) be the position at arc length s, kappa the curvature, h the element length. Bending: elements have a linear
-    r'', so that the normal component (kappa'' - kappa^3) s^2 / 2 loses its part orthogonal to linear functions. The
-    energy per length is E I h^4 / 1440 (kappa'' - kappa^3)^2. Membrane locking: r' is quadratic and continuous, so that
-    the stretch kappa kappa' s^3 / 2 keeps a part that vanishes at the nodes. The energy per length is E A h^6 / 6720
-    (kappa kappa')^2.
+    Let s be the arc length from an element's middle, r(s) the position, kappa the curvature, h the element length.
+    Bending: elements have a linear r'', so that the normal component (kappa'' - kappa^3) s^2 / 2 loses its part
+    orthogonal to linear functions. The energy per length is E I h^4 / 1440 (kappa'' - kappa^3)^2. Membrane locking: r'
+    is quadratic and continuous, so that the stretch kappa kappa' s^3 / 2 keeps a part that vanishes at the nodes. The
+    energy per length is E A h^6 / 6720 (kappa kappa')^2.
 
     Args:
         load: P L^2 / (E I).
@@ -201,7 +202,7 @@ class FineBeam:
         return unit * np.outer(scale, scale) * self.beam.length / self.beam.bending_stiffness
 
     def step_response(self, load: int, time: float) -> Array:
-        """Return the first end's deflection and slope `time` [s] after a unit force (`load` 0) or moment (1) began."""
+        """Return the first end's deflection and slope at `time` [s] under unit force (`load` 0) or moment (1) there."""
         omega, ends = self.frequencies, self.first_end
         decay = 0.5 * self.beam.damping * omega**2
         root = np.sqrt((omega**2 - decay**2).astype(complex))

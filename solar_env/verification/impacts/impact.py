@@ -1,8 +1,9 @@
 """Verification of a single contact: a block strikes the wall of its gap. The equation of motion is separable.
 
-The equation is m depth'' = -K depth^n (1 + d depth' / v), from depth 0 at the speed v. With u = depth' / v it separates
-into u du / (1 + d u) = -K depth^n d(depth) / (m v^2). This integrates to (u - ln(1 + d u) / d) / d on the left and a
-power of the depth on the right.
+The contact force is K depth^n (1 + d u). Here d is the damping factor, v the impact speed, and u = depth' / v. The
+block's equation is m depth'' = -K depth^n (1 + d u), from depth 0 at u = 1. It separates: the integral of u / (1 + d u)
+with respect to u equals the integral of -K depth^n / (m v^2) with respect to the depth. The left integral is
+(u - ln(1 + d u) / d) / d, and the right integral is a power of the depth.
 """
 
 import math
@@ -53,7 +54,7 @@ def restitution(d: float) -> float:
 
 
 def greatest_depth(contact: PowerLaw, speed: float) -> float:
-    """Return the greatest depth [m] of an impact: Hertz's (5 m v^2 / (4 K))^0.4 for an undamped force K depth^1.5."""
+    """Return the greatest depth [m] in a 6 kg block's impact; undamped Hertz contact has (5 m v^2 / (4 K))^0.4."""
     d, power = contact.damping, contact.exponent + 1.0
     bracket = (d - math.log1p(d)) / d**2 if d else 0.5
     return float((power * MASS * speed**2 / contact.stiffness * bracket) ** (1.0 / power))
@@ -90,7 +91,7 @@ def _speed_ratio(contact: PowerLaw, speed: float, integrator: Integrator) -> flo
 
 
 def restitution_curve() -> Iterator[Check]:
-    """Check the exit/entry speed ratio of every contact law, at default tolerance, at the worst of several speeds."""
+    """Check the exit/entry speed ratio of every contact law by three integrators, at the worst of several speeds."""
     for integrator in (*RESOLVING, ModalRadau()):
         for law, coefficient in product(CONTACT_LAWS, COEFFICIENTS):
             contact = contact_law(law, SURFACES, coefficient)

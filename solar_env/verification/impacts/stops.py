@@ -65,7 +65,7 @@ def _swinging_link(stop: Stop, rate: float) -> Mechanism:
 
 
 def swings_into_stops() -> Iterator[Check]:
-    """Check a link that runs into an undamped latch and stow stop, and a link that oscillates in a damped latch."""
+    """Check depth and energy as a link runs into an undamped latch or stow stop, and its motion in a damped latch."""
     rate, duration = 0.3, 0.5
     energy = 0.5 * INERTIA * rate**2
     latch = Stop(GAP, stiffness=1e3, exponent=1.0, ramp_depth=1e-3, damping=10.0)

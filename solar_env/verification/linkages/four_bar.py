@@ -117,7 +117,7 @@ def four_bar_state(
 
 
 def rocker_state(turned: float) -> LinkageState:
-    """Return motion and forces of the ideal linkage when its crank has turned by `turned` [rad] since the start."""
+    """Return rocker motion, crank moment and pin forces when the ideal linkage's crank has turned by `turned` [rad]."""
     return four_bar_state(*FOUR_BAR, FOUR_BAR_START + turned, STANDARD_GRAVITY)
 
 
@@ -137,7 +137,7 @@ def _figures(simulation: Simulation) -> dict[str, Any]:
 
 
 def four_bar_cycle() -> Iterator[Check]:
-    """Check motion and forces of a crank-rocker with ideal pins under gravity, over one turn after a half turn."""
+    """Check motion and forces of a crank-rocker with ideal pins and gravity, at crank turns of 180 to 540 degrees."""
     step = 2.0 * math.pi / RATE / (8 * SAMPLES)
     # Tolerances: the local tolerance, and ten times (rate * step)^2.
     choices: tuple[tuple[Integrator, float], ...] = (

@@ -24,7 +24,7 @@ def exact_period() -> float:
 
 
 def exact_pendulum(time: float) -> tuple[float, float, float]:
-    """Return the bob's position x, y [m] and the tension [N] at a time [s], for 1 m, 1 kg and g = 9.81 m/s2."""
+    """Return x, y [m] and tension [N] of a pendulum (1 m, 1 kg, 9.81 m/s2) `time` [s] after release from (1, 0)."""
     frequency = math.sqrt(STANDARD_GRAVITY)
     _, cn, dn, _ = ellipj(frequency * time, _PARAMETER)
     angle = 2.0 * math.asin(math.sqrt(_PARAMETER) * cn / dn)  # from the vertical

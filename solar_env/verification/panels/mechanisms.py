@@ -44,6 +44,6 @@ def clamp(stiffness: float) -> Joint:
 
 
 def moved(simulation: Simulation, joint: int) -> tuple[complex, float]:
-    """Return displacement x + i y [m] and rotation [rad] of a beam's end; `joint` is the index of its `loose` joint."""
+    """Return displacement x + i y [m] and rotation [rad], since t = 0, of the beam's end at joint index `joint`."""
     row = simulation.joint_loads()[joint]
     return complex(row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y]), float(row[columns.ANGLE])

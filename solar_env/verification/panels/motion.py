@@ -85,7 +85,7 @@ def bent(load: float, moment: float) -> tuple[float, float, float]:
 
 
 def large_deflections() -> Iterator[Check]:
-    """Check a panel that tip loads bend by up to 0.5 rad: tip errors, and warnings outside the theory's valid range."""
+    """Check panels bent by up to 0.5 rad against the elastica, and the warning past the modal theory's valid range."""
     for name, load, moment in (
         *((f"P L^2 / (E I) = {load:g}", load, 0.0) for load in (0.1, 0.2, 0.4, 0.8)),
         *((f"M L / (E I) = {moment:g}", 0.0, moment) for moment in (0.1, 0.5)),
@@ -107,7 +107,10 @@ def _scaled(factor: float, damping: float) -> Beam:
 
 
 def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> tuple[Motion, bool]:
-    """Simulate a hinged modal panel; return its tip x + i y [m] at `times`, and whether it left the theory's range."""
+    """Simulate a hinged modal panel; return its tip x + i y [m] at `times` [s], and whether a warning was given.
+
+    The warning tells that bending left the modal theory's range. `torque` [N m] acts at the hinge, gravity along -y.
+    """
     hinge = Joint("hinge", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0))
     mechanism = Mechanism((modal(beam),), (hinge, loose((beam.length, 0.0))), gravity=(0.0, -gravity))
     simulation, found = start(mechanism, rtol=1e-5), np.zeros(times.size, complex)
@@ -134,7 +137,7 @@ def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque:
 
 
 def _rigid(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
-    """Return the tip x + i y [m] of a hinged rigid panel at `times` [s], by SciPy; `torque` is constant in between."""
+    """Return a hinged rigid panel's tip x + i y [m] at `times` [s]; `torque` is held from one time to the next."""
     inertia, weight = beam.mass * beam.length**2 / 3.0, 0.5 * beam.mass * gravity * beam.length
     state, found, now = np.zeros(2), np.zeros(times.size, complex), 0.0
     for k, time in enumerate(times):
@@ -175,7 +178,7 @@ def spin_up() -> Iterator[Check]:
 
 
 def falling_pendulum() -> Iterator[Check]:
-    """Check the tips of panels that fall about a hinge: the array's panel, one ten times softer, one nearly rigid."""
+    """Check tips of falling hinged panels: normal and ten times softer ones against ANCF, a stiff one against rigid."""
     # The spin of up to 4.4 rad/s changes the frequency by up to 5e-3, over four periods.
     yield from _turning("falling panel", DAMPED, 0.5, STANDARD_GRAVITY, lambda _: 0.0, 3e-2)
     soft = _scaled(0.1, DAMPED.damping)

@@ -58,11 +58,12 @@ class Struck:
 
 
 def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: float) -> Struck:
-    """Return contact force and exit speed of an axial impact on a free bar, whose far end reflects waves as tension.
+    """Return contact forces over time, and the striker's exit speed, of an axial impact on one end of a free bar.
 
-    Under the contact force F the struck end has the speed F(t) / z + 2 sum_n F(t - n T) / z, T = 2 length / wave_speed
-    (J. N. Goodier and S. P. Timoshenko, Theory of Elasticity, 3rd ed., 1970; K. F. Graff, Wave Motion in Elastic
-    Solids, 1975). A rigid contact would give St. Venant's solution, F = z v0 exp(-z t / m) up to T.
+    The far end reflects waves as tension. Under the contact force F the struck end has the speed
+    F(t) / z + 2 sum_n F(t - n T) / z, T = 2 length / wave_speed (J. N. Goodier and S. P. Timoshenko, Theory of
+    Elasticity, 3rd ed., 1970; K. F. Graff, Wave Motion in Elastic Solids, 1975). A rigid contact would give St.
+    Venant's solution, F = z v0 exp(-z t / m) up to T.
 
     Args:
         impact: mass m and speed v0 of the striker, and stiffness of the contact.
@@ -109,9 +110,10 @@ def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: floa
 
 
 def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> Struck:
-    """Return force and exit speed of an impact across a free beam's first end, by modes under piecewise linear forces.
+    """Return contact forces over time, and the striker's exit speed, of an impact across a free beam's first end.
 
-    The force at the end of every step solves one scalar equation. The error falls with the square of the step.
+    The response of the beam's modes to a piecewise linear force is exact. The force at the end of every step solves one
+    scalar equation. The error falls with the square of the step.
 
     Args:
         impact: mass and speed of the striker, and stiffness of the contact.
@@ -203,7 +205,7 @@ def struck_along() -> Iterator[Check]:
 
 
 def struck_across() -> Iterator[Check]:
-    """Check a mass that strikes a panel's end across it: a dozen contacts in 4 ms, and one lasting contact."""
+    """Check force, impulse and exit speed of a mass that strikes a panel's end transversely, once or a dozen times."""
     theory = FineBeam(PANEL, modes=3000)
     hard, soft = Impact(2.0, 0.1, STIFF), Impact(0.5, 0.01, 0.1 * STIFF)
     for impact, few, many in (

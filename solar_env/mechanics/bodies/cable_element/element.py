@@ -57,7 +57,7 @@ class CableElements(BodyKind[FlexibleBody]):
             constants += band.ravel().tolist()
 
     def fill_marker(self, body: FlexibleBody, row: np.void, first: int, point: Point) -> None:
-        """Write marker `row` (direction: slope) for the node at `point`; `first`: index of the first coordinate."""
+        """Write marker `row` for the node at `point`, directed along its slope; `first`: body's first index in q."""
         node = first + 4 * body.node(point)
         row["i1"], row["i2"], row["a1"] = node, node + 2, 1.0
 

@@ -18,9 +18,10 @@ TABLE_ROWS = 19
 def add_axial_point(point, x, axial, damping, f):
     """Return `f` plus the axial contribution of one quadrature point of an element of length L.
 
-    `f`: generalized forces of chord and end slopes (x and y of each), damping power. `x`: chord and end slopes (x and y
-    of each), then their rates. `point`: a row of `AXIAL`; chord and slopes times its first three entries sum to r' =
-    dr/ds, and the last entry is the quadrature weight. `axial`: E A L [N m]. `damping`: retardation time [s].
+    `f` holds generalized forces of chord, first and second end slope (x and y of each), then the damping power [W]. `x`
+    holds chord and slopes in this order, then their rates. `point` is a row (d, a, b, ..., w) of `AXIAL`: the tangent
+    dr/ds is d * chord + a * (first slope) + b * (second slope), and w is the quadrature weight. `axial` is E A L [N m],
+    `damping` is the retardation time [s].
     """
     d, a, b, _, _, _, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
@@ -40,7 +41,11 @@ def add_axial_point(point, x, axial, damping, f):
 
 @kernel
 def add_bending_point(point, x, bending, damping, f):
-    """Return `f` plus a quadrature point's bending contribution; `bending` is E I / L [N m]; see `add_axial_point`."""
+    """Return `f` plus the bending contribution of a quadrature point, a row of `BENDING`; `bending` is E I / L [N m].
+
+    As in `add_axial_point`, `f` holds forces of chord and end slopes and the damping power, and `x` holds chord and
+    slopes, then their rates; `damping` is the retardation time [s].
+    """
     d, a, b, e, g, h, w = point
     dx, dy, ax, ay, bx, by, ux, uy, px, py, wx, wy = x
     f0, f1, f2, f3, f4, f5, power = f
@@ -116,10 +121,7 @@ def element_forces(lanes, constants, table):
 
 @kernel(inlined=False)
 def add_elastic_forces(elements, q, v, force, table):
-    """Add the internal forces of all beams to `force` (n,); return the power [W] that material damping dissipates.
-
-    `table` (TABLE_ROWS * LANES,) is a work array.
-    """
+    """Add all beams' internal forces to `force` (n,), using `table` (TABLE_ROWS * LANES,); return damping power [W]."""
     total = 0.0
     for block in range(elements.offset.shape[0]):
         offset, inverse_length = elements.offset[block], elements.inverse_length[block]

@@ -113,9 +113,9 @@ def stable_step(
 ) -> float:
     """Return the largest step [s] with which explicit Runge-Kutta of order four is stable on the free straight beam.
 
-    Every vibration u obeys u'' + damping omega^2 u' + omega^2 u = 0. The step times each of its eigenvalues, z, must
-    satisfy |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II,
-    1996, section IV.2, doi:10.1007/978-3-642-05221-7).
+    Every vibration u obeys u'' + damping omega^2 u' + omega^2 u = 0. For both eigenvalues s, z = s * step must satisfy
+    |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996,
+    section IV.2, doi:10.1007/978-3-642-05221-7).
     """
     count, limit = min(elements, _REPRESENTATIVE_ELEMENTS), math.inf
     mass, reaches = mass_matrix(count, element_length, linear_density), np.linspace(1e-2, 4.0, 40_000)

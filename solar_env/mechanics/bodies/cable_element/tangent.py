@@ -1,9 +1,9 @@
 """Derivatives of the internal forces in beams of ANCF cable elements (`element.py`), for implicit integration.
 
-An element with x = (chord, slopes) has the strains e(x) and the strain rates e' = G x' with G = de/dx. Its internal
-force is the integral of G^T (stiffness) (e + damping * e'). At a quadrature point the axial strain depends on r', and
-the bending strain on r' and L r''. Derivatives with respect to r' and L r'' come first; the shape functions turn them
-into derivatives with respect to x. Vector registers take several elements at a time: inputs and outputs are separate.
+An element with x = (chord, slopes) has the strains e(x) and the strain rates de/dt = G dx/dt with G = de/dx. Its
+internal force is the integral of G^T (stiffness) (e + damping * de/dt). At a quadrature point the axial strain depends
+on r' = dr/ds, and the bending strain on r' and L r''. Derivatives with respect to r' and L r'' come first; the shape
+functions turn them into derivatives with respect to x. Input and output arrays do not overlap, so that loops vectorize.
 """
 
 import math
@@ -45,10 +45,11 @@ def make_element_slopes() -> ElementSlopes:
 
 
 def _expansion() -> NDArray[np.float64]:
-    """Return the weights (9, _POINTS) by which `_expand` sums the derivatives of an element's forces.
+    """Return the weights (9, _POINTS) of derivatives at quadrature points in the derivatives of an element's forces.
 
-    Row 3 i + j is for the derivative of force i by vector j: 0 is the chord, 1 and 2 are the end slopes. Columns are
-    for the 2 x 2 blocks of derivatives by r' and L r'' at the quadrature points.
+    Row 3 i + j is for the derivative of force i with respect to vector j: 0 is the chord, 1 and 2 are end slopes. Each
+    axial point has one column, for the force conjugate to r' and its derivative with respect to r'. Each bending point
+    has four, for these pairs of force and derivative: (r', r'), (r', L r''), (L r'', r'), (L r'', L r'').
     """
     rows = []
     for i in range(3):
@@ -66,10 +67,11 @@ _EXPANSION = _expansion()
 
 @kernel
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Compute derivatives of the axial force at a quadrature `point`, a row of `AXIAL`, for `lanes` beam elements.
+    """Compute 2 x 2 derivatives of the axial force conjugate to r' = dr/ds at a quadrature `point`, a row of `AXIAL`.
 
-    `stiffness` gets derivatives by the centreline's slope r', `viscosity` by the rate of r': a 2 x 2 matrix in four
-    rows of elements. `table`: chord, end slopes and their rates. `constants`: E A L, E I / L, retardation time [s].
+    Derivatives with respect to r' go to `stiffness`, derivatives with respect to the rate of r' go to `viscosity`. Each
+    matrix entry is a row of COLUMNS elements, of which the first `lanes` are computed. `table` has twelve such rows: x
+    and y of chord and end slopes, then their rates. `constants`: rows of E A L, E I / L and retardation time [s].
     """
     d, a, b, _, _, _, w = point
     for i in range(lanes):
@@ -99,9 +101,11 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Compute derivatives of the bending force at `point`, a row of `BENDING`; see `_axial_slopes` for the arguments.
+    """Compute derivatives of the bending forces conjugate to r' and L r'' at a quadrature `point`, a row of `BENDING`.
 
-    Sixteen rows are written: 2 x 2 derivatives of the force on r' by r' and by L r'', then of the force on L r''.
+    Four 2 x 2 matrices, in sixteen rows, go to `stiffness`: derivatives with respect to r' and to L r'', first of the
+    force conjugate to r', then of the force conjugate to L r''. Derivatives with respect to the rates go to `viscosity`
+    in this order. The layout of rows and the other arguments are as in `_axial_slopes`.
     """
     d, a, b, e, g, h, w = point
     for i in range(lanes):
@@ -167,9 +171,10 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _expand(lanes, local, found):
-    """Write `lanes` elements' force derivatives by chord and end slopes to `found`, summed over quadrature points.
+    """Sum derivatives of forces at quadrature points, with the weights `_EXPANSION`, for a number `lanes` of elements.
 
-    `local` holds the derivatives by r' and L r''. These two vectors are weighted sums of chord and end slopes.
+    `local` holds _POINTS matrices of 2 x 2 derivatives with respect to r' and L r'', each as four rows of elements.
+    `found` gets 36 such rows: 6 x 6 derivatives of the forces on chord and end slopes with respect to these vectors.
     """
     for pair in range(9):
         weights = _EXPANSION[pair]
@@ -190,7 +195,10 @@ def _expand(lanes, local, found):
 
 @kernel
 def _scatter(elimination, matrix, k, inverse, slopes, i):
-    """Add element `i`'s force derivatives `slopes` to a profile matrix; `k`: first coordinate; `inverse`: 1/length."""
+    """Add the force derivatives of element `i`, column `i` of the 36 rows `slopes`, to a profile `matrix`.
+
+    `elimination` gives the matrix's order of unknowns, `k` is the element's first coordinate, `inverse` is 1 / length.
+    """
     inner, outer = elimination.position[k] // BLOCK, elimination.position[k + BLOCK] // BLOCK
     cross = elimination.base[outer] + inner
     innermost, upper = matrix.diagonal[inner], matrix.upper[cross]
@@ -210,7 +218,10 @@ def _scatter(elimination, matrix, k, inverse, slopes, i):
 
 @kernel(inlined=False)
 def add_elastic_tangents(elements, q, v, slopes, elimination, stiffness, damping):
-    """Add df/dq to profile matrix `stiffness`, df/dv to `damping`; f: resisting beam forces; `slopes`: work arrays."""
+    """Add df/dq to the profile matrix `stiffness` and df/dv to `damping`, for internal forces f in M a + f = loads.
+
+    `elimination` gives the order of unknowns in both matrices; `slopes` holds scratch arrays.
+    """
     motion = slopes.motion
     for block in range(elements.offset.shape[0]):
         offset, inverse_length = elements.offset[block], elements.inverse_length[block]

@@ -134,7 +134,7 @@ def fill_residual(model, state, it, work, time, scale):
 
 @kernel
 def solve_newton(model, it):
-    """Replace `it.rhs` by the solution of Newton's equations; return False if the matrix is singular."""
+    """Replace `it.rhs` by the solution of the Newton iteration's linear system in arrays `it`; False if singular."""
     position, rhs, solution = model.elimination.position, it.rhs, it.solution
     if not profile_factor(model.elimination, it.newton.matrix):
         return False
@@ -148,7 +148,7 @@ def solve_newton(model, it):
 
 @kernel
 def solve_step(model, state, it, work, settings, h):
-    """Solve a step `h` [s] in `it`; return the last Newton correction divided by its tolerance (<= 1: converged)."""
+    """Solve a step `h` [s] in the arrays `it`; return the last Newton correction / tolerance, <= 1 if converged."""
     n = state.q.size
     alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
     q0, v0, a0, x0 = it.start_q, it.start_v, state.a, state.algorithmic_a
@@ -205,7 +205,10 @@ def solve_step(model, state, it, work, settings, h):
 
 @kernel
 def restart(model, state, it, work, settings, h):
-    """Recompute accelerations and multipliers of `state` for steps `h` [s]; False if the constraints are singular."""
+    """Recompute accelerations and multipliers in `state`; project the step's start in the arrays `it` on constraints.
+
+    The auxiliary accelerations are those (alpha_m - alpha_f) `h` [s] later. Return False if constraints are singular.
+    """
     q0, v0, time = it.start_q, it.start_v, state.clock[0].time
     # Velocities violate the constraints by O(h^2), which would cause forces of O(h^2 / new step) in a shorter step.
     if not prepare_response(model, q0, time, work):
@@ -306,7 +309,7 @@ def begin_alpha(model, state, settings, arrays):
 
 @kernel
 def choose_alpha(model, state, settings, arrays, remaining):
-    """Return the step to try [s]: the fixed step, shortened so that equal steps fill the `remaining` time [s]."""
+    """Return `settings.step` [s], shortened so that equal steps fill the `remaining` time [s]; only these are used."""
     return remaining / math.ceil(remaining / settings.step - 1e-9)
 
 
@@ -333,7 +336,7 @@ def attempt_alpha(model, state, settings, arrays, h):
 
 @kernel
 def complete_alpha(model, state, settings, arrays, h):
-    """Compute joint forces and drive powers from multipliers at the end of the step, in `arrays.work`."""
+    """Write ideal joints' forces and the drives' power at the end of the solved step `h` [s] to `arrays.work`."""
     it = arrays.iteration
     store_constraint_loads(model, it.multipliers, state.clock[0].time + h, it.q, arrays.work)
 
@@ -383,11 +386,11 @@ def evaluate_alpha(model, state, arrays, changed):
 
 @kernel
 def depth_at_start(model, state, arrays, j, h, share):
-    """Return the penetration [m] of joint `j` at the step's start, for any `share`: steps do not end at events."""
+    """Return joint `j`'s penetration [m] at the step's start; `share`, the fraction to evaluate at, is unused."""
     return arrays.motion[j].depth
 
 
 @kernel
 def angle_at_start(model, state, arrays, j, h, share):
-    """Return the angle [rad] of joint `j` at the step's start, for any `share`: steps do not end at events."""
+    """Return joint `j`'s angle [rad] at the step's start; `share`, the fraction to evaluate at, is unused."""
     return arrays.motion[j].angle

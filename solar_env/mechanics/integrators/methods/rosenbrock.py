@@ -98,7 +98,11 @@ def make_stage_arrays(model: Model, state: State) -> StageArrays:
 
 @kernel
 def present_velocity_scale(velocity_scale, weights, v0, v):
-    """Return the error norm's velocity scale [m/s], reduced if `weights` times step velocities `v0`, `v` are small."""
+    """Return the error norm's velocity scale [m/s], smaller in slow motion, at least _LEAST_SCALE * velocity_scale.
+
+    If no velocity at the step's start (`v0`) or end (`v`), times its weight, exceeds velocity_scale / _SLOW, the scale
+    shrinks with the square of the greatest. The `weights` turn velocities of slopes into translations [m/s].
+    """
     top = 0.0
     for i in range(v.size):
         top = max(top, weights[i] * max(abs(v0[i]), abs(v[i])))
@@ -119,7 +123,7 @@ def begin_rosenbrock(model, state, settings, arrays):
 
 @kernel
 def choose_rosenbrock(model, state, settings, arrays, remaining):
-    """Return the step to try [s] by accuracy, impacts, stability; note in `arrays.trial` if it is linearly implicit."""
+    """Return the step [s] that accuracy, impacts and, if explicit, stability allow; set `arrays.trial.implicit`."""
     clock, trial, stable = state.clock[0], arrays.trial[0], _STABILITY_MARGIN * model.stable_step
     wanted = step_limit(state, settings)
     trial.implicit = settings.implicit and clock.explicit_wait <= 0 and wanted > _WORTH * stable

@@ -61,7 +61,7 @@ _C = (
 
 
 class LinearStep(NamedTuple):
-    """Arrays of a linearly implicit step; arrays (blocks, BLOCK) are in the order of elimination."""
+    """Arrays of a linearly implicit step; (blocks, BLOCK) are unknowns in the linear solver's order of elimination."""
 
     newton: NewtonMatrices  # of the stage equations
     coordinate_increments: NDArray[np.float64]  # (stages, n)
@@ -82,7 +82,7 @@ class LinearStep(NamedTuple):
 
 
 def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
-    """Allocate the arrays of a linearly implicit step, and compute the mass matrix."""
+    """Return new arrays of a linearly implicit step; only the mass matrix, `newton.mass`, is computed yet."""
     n, k = state.q.size, state.multipliers.size
     blocks = model.elimination.first.size
     return LinearStep(
@@ -127,7 +127,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
 
 @kernel
 def set_stage(state, stages, step, s, h):
-    """Write coordinates, velocities, accelerations, multipliers and past-stage sums of stage `s` to `step`."""
+    """Write stage `s`'s q, v, a, multipliers and sums c_ij u_j / h to `step`, from `state` and past increments u_j."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
     copy_into(q, state.q)
     copy_into(v, state.v)
@@ -154,7 +154,7 @@ def set_stage(state, stages, step, s, h):
 
 @kernel
 def solve_stage(model, state, stages, step, s, force, diagonal):
-    """Solve stage `s`, write its increments to `step`; `force` (n,): applied at `step.q`, `.v`; `diagonal`: gamma h."""
+    """Write stage `s`'s increments to `step`; `force` (n,) acts at the state `step.q`, `.v`; `diagonal` is gamma h."""
     elimination, position = model.elimination, model.elimination.position
     n, rows = state.q.size, model.constraints.size.size
     x, factor, product = step.unknowns, step.factor, step.product
@@ -193,9 +193,10 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
 
 @kernel
 def border_length(state, start_a, step, k, row, position, diagonal):
-    """Add a rigid body's length constraint to a stage's right-hand side `step.unknowns`: its equation and its force.
+    """Enter a rigid body's length constraint, its equation and its force, in a stage's right-hand side `step.unknowns`.
 
-    The force is the part due to the gradient's change since the step's start; Newton's matrix has the other part.
+    The equation goes to the entry of the constraint's multiplier. The body's entries get only the part of the force due
+    to the change of the constraint's gradient since the step's start; Newton's matrix has the other part.
     `start_a` (n,): accelerations at the step's start. `k`: index of the body's first coordinate. `row`: index of the
     constraint's multiplier. `position`: places of the unknowns in the elimination order. `diagonal`: gamma h.
     """
@@ -218,13 +219,13 @@ def border_length(state, start_a, step, k, row, position, diagonal):
 
 @kernel(inlined=False)
 def evaluate_forces(model, joint_states, q, v, work):
-    """Call `system.applied_forces`, compiled only once: compiling it anew inside every caller would take long."""
+    """Write forces, joint loads and powers to `work` by `system.applied_forces`, here compiled once for all callers."""
     applied_forces(model, joint_states, q, v, work)
 
 
 @kernel
 def take_contacts_from_ends(joints, power, gain, h):
-    """Compute contacts' time integrals over a step in `gain` by the trapezoidal rule, from their rates in `power`.
+    """Write contacts' dissipation, sliding work and impulse in a step to `gain`: trapezoidal rule with rates `power`.
 
     The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step.
     The solution resolves the depth at the step's ends, but the interpolant does not resolve it in between.
@@ -252,7 +253,7 @@ def estimate_error(model, state, stages, step, settings):
 
 @kernel(inlined=False)
 def attempt_implicit(model, state, stages, step, work, settings, h):
-    """Try a linearly implicit step `h` [s]; write its end to `stages`, as `runge_kutta.take_stages` does.
+    """Try a linearly implicit step `h` [s]; write its end (q, v, a, multipliers, powers), integrals' gain to `stages`.
 
     Return the step's error divided by the tolerance, negative if the constraints are singular.
     """

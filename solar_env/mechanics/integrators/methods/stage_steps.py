@@ -30,7 +30,7 @@ _PEAK_SAMPLES = 8
 
 @kernel
 def fill_rows(model, work):
-    """Copy a model's constraint rows to `work.row_value`, and compute `work.columns` for the constant rows."""
+    """Write constraint rows to `work.row_value`, and inverse mass matrix times ideal joints' rows to `work.columns`."""
     for r in range(work.row_value.shape[0]):
         copy_into(work.row_value[r], model.constraints.value[r])
     fill_columns(model, work, False)
@@ -81,7 +81,7 @@ def begin_stages(model, state, settings, arrays):
 
 @kernel
 def depth_in_stages(model, state, arrays, j, h, share):
-    """Return the penetration [m] of joint `j` at the fraction `share` of the step `h` [s]."""
+    """Return joint `j`'s penetration [m] at a fraction `share` of the step `h` [s] that the work `arrays` hold."""
     if share == 0.0:
         return arrays.motion[j].depth
     return hermite_depth(model.joints[j], model.markers, state, arrays.stages, h, share)
@@ -89,7 +89,7 @@ def depth_in_stages(model, state, arrays, j, h, share):
 
 @kernel
 def angle_in_stages(model, state, arrays, j, h, share):
-    """Return the angle [rad] of joint `j` at the fraction `share` of the step `h` [s]."""
+    """Return joint `j`'s angle [rad] at a fraction `share` of the step `h` [s] that the work `arrays` hold."""
     if share == 1.0:
         return arrays.work.loads[j, ANGLE]
     hermite_state(state, arrays.stages, h, share)
@@ -113,7 +113,7 @@ def sample_stages(model, state, settings, arrays, recorder, h, share):
 
 @kernel(inlined=False)
 def refine_peak(model, state, stages, j, h, share):
-    """Raise joint `j`'s force maxima to the peak of its contact force in the fraction `share` of a step `h` [s]."""
+    """Raise `state.joints[j]`'s force maxima to the contact force's peak in the first `share` * `h` [s] of a step."""
     joint, joint_state, markers = model.joints[j], state.joints[j], model.markers
     peak, before, here = 0.0, 0.0, 0.0
     for k in range(_PEAK_SAMPLES + 1):
@@ -194,14 +194,14 @@ def evaluate_stages(model, state, arrays, changed):
 
 @kernel
 def resume_stages(model, state, arrays):
-    """Copy the accepted state's impact speeds to the workspace, and its velocities to the first stage."""
+    """Copy `state`'s impact speeds to `arrays.work.impact_speeds`, and velocities to `arrays.stages.velocity[0]`."""
     set_impact_speeds(state.joints, arrays.work.impact_speeds)
     copy_into(arrays.stages.velocity[0], state.v)
 
 
 @kernel
 def open_contact(model, state, arrays, j):
-    """Return the inverse effective mass [1/kg] of joint `j` along its line of centres at the accepted state."""
+    """Return joint `j`'s inverse effective mass [1/kg] along its line of centres as its contact begins at `state`."""
     scratch, joint = arrays.scratch, model.joints[j]
     scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, model.markers, state.q)
     return normal_inverse_mass(model, state.q, state.v, j, scratch)
@@ -209,7 +209,7 @@ def open_contact(model, state, arrays, j):
 
 @kernel
 def contact_arcs(model, state, arrays, j):
-    """Return the contact arcs on journal and bearing as (middle, half-width) [rad]; the half-width is 0."""
+    """Return two pairs (middle [rad], half-width 0): contact arcs on joint `j`'s journal and bearing, here points."""
     joint, markers, loads = model.joints[j], model.markers, arrays.work.loads
     ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
     journal = vector_angle(markers[joint.outboard], state.q, ex, ey)

@@ -153,7 +153,7 @@ def interpolate_without_accelerations(state, stages, h, share):
 
 @kernel
 def hermite_integrals(state, stages, h, share):
-    """Write the running time integrals at the fraction `share` of the step to `stages.integrals`."""
+    """Write works, losses and impulses, summed up to a fraction `share` of a step `h` [s], to `stages.integrals`."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
     _, start, whole, end = cubic_weights(share)
     for k in range(integrals.size):

@@ -3,17 +3,18 @@
 The end slope of a beam element has next to no inertia, so that a latch's damper slows it within microseconds; a journal
 that rests in its bearing could vibrate on the contact's stiffness within milliseconds. Explicit steps would have to
 resolve these times even if nothing moves. However, the stiff part A of the Jacobian of y' = f(y), y = (q, v), is known.
-Let g be the gradient of the stop's angle or of the contact's depth, w the accelerations due to a unit force with its
-friction, k the stiffness and c the damping. A turns a change (dq, dv) of y into the change -w (k g.dq + c g.dv) of v'
-and, for contacts, the part of dv along g as the change of q'. A W-method (T. Steihaug and A. Wolfbrandt,
-Math. Comput. 33 (1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
+Let g be the gradient of the stop's angle or of the contact's depth, and w the accelerations due to a unit force and the
+friction that it causes. The stiffness is k, the damping c. If y changes by (dq, dv), A changes v' by
+-w (k g.dq + c g.dv). In a contact, A also changes q', by the part of dv along g. A W-method (T. Steihaug and
+A. Wolfbrandt, Math. Comput. 33 (1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
 
 k_i = f(y + h sum_j alpha_ij k_j) + h A sum_j gamma_ij k_j + h gamma_i r,
 
 which needs a system of equations in every stage, with each stiff force's rate of change as an unknown. With A = 0 the
 method is the Runge-Kutta method itself. Contacts need the last term (E. Hairer and G. Wanner, Solving Ordinary
-Differential Equations II, 1996, section IV.7, doi:10.1007/978-3-642-05221-7). In it r is the rate of change of f that A
-leaves out, because the force that a contact must balance changes with the motion of all bodies.
+Differential Equations II, 1996, section IV.7, doi:10.1007/978-3-642-05221-7), because A leaves out that the force
+on a contact changes with the motion of all bodies. In this term r is the rate of change of f without A's part, and
+gamma_i is the sum of gamma_ij over j.
 """
 
 import numpy as np
@@ -58,7 +59,7 @@ def product(a, b):
 
 @kernel
 def past_sum(values, stage, i):
-    """Return the sum over the stages before `stage` of gamma_ij times entry `i` of `values` (stages, entries)."""
+    """Return the sum, over stages s before `stage`, of the W-method's gamma[`stage`, s] times entry `values[s, i]`."""
     total = 0.0
     for s in range(min(stage, 4)):
         total += COUPLING[stage][s] * values[s, i]
@@ -67,7 +68,7 @@ def past_sum(values, stage, i):
 
 @kernel
 def contact_directions(joint, markers, q, v, gradient, force):
-    """Add a contact depth's gradient to `gradient`; write minus the contact force per unit normal force to `force`."""
+    """Add a depth's gradient to `gradient`; set `force` to minus generalized force, with friction, per normal force."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
@@ -158,7 +159,7 @@ def collect(model, state, work, stiff, h):
 
 @kernel
 def separate_motions(stiff, count):
-    """Write motions of 1 along one gradient, 0 along others, to `stiff.motion`; False if gradients are dependent."""
+    """Write the dual basis of the stiff forces' `count` gradients to `stiff.motion`; False if they are dependent."""
     if not lu_factor(stiff.matrix, count):
         return False
     for k in range(count):
@@ -178,7 +179,8 @@ def separate_motions(stiff, count):
 def measure_rest(model, state, work, stiff, count, start, h):
     """Compute in `stiff.rest` (n,) the rate of change of the accelerations that is not due to the `count` stiff forces.
 
-    It is a finite difference from accelerations `start` (n,) in a step `h` [s]. Return False for singular constraints.
+    It is the difference quotient from `state`, with accelerations `start` (n,), to a point extrapolated by a tenth of
+    the step `h` [s], whose values `work` and `state.multipliers` get. Return False if the constraints are singular.
     """
     q, v, time = state.q, state.v, state.clock[0].time
     delta = _PROBE * h
@@ -201,8 +203,9 @@ def measure_rest(model, state, work, stiff, count, start, h):
 
 @kernel
 def begin_step(model, state, work, stiff, start, h):
-    """Prepare the correction for forces that are stiff over a step `h` [s] in `stiff`; return these forces' number.
+    """Find the forces that are stiff over a step `h` [s], store them in `stiff`, and return their number.
 
+    `stiff` also gets the factored equations that `correct_stage` solves; return 0 if the equations are singular.
     `state` is the state at the start of the step, and `start` (n,) are the accelerations there; `work` is scratch.
     """
     count, contacts = collect(model, state, work, stiff, h)
@@ -224,7 +227,7 @@ def begin_step(model, state, work, stiff, start, h):
 
 @kernel
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
-    """Correct row `stage` of `velocity`, `acceleration` and `power` to the stage derivatives of the W-method."""
+    """Correct explicit derivatives in row `stage` of `velocity`, `acceleration`, `power` for the forces in `stiff`."""
     count = stiff.active[0]
     force_rate, right, a = stiff.force_rate, stiff.force_rate[stage], acceleration[stage]
     share = DIAGONAL
@@ -267,7 +270,10 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
 
 @kernel
 def add_force_to_powers(power, first, force):
-    """Add `force` [N] to a contact's normal force: scale its powers, from index `first` of `power`, accordingly."""
+    """Add `force` [N] to a contact's normal force in `power`, where the joint's entries begin at index `first`.
+
+    The rates of friction loss, sliding work and impulse (the normal force itself) are multiplied by new / old force.
+    """
     normal = power[first + m.IMPULSE]
     if normal > 0.0:
         scale = max(1.0 + force / normal, 0.0)

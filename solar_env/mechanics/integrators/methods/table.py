@@ -1,4 +1,4 @@
-"""Table of the integration methods, which run loop, batches, warm-up and tests read.
+"""Table of the integration methods; the run loop, the batches, the warm-up and the tests read it.
 
 A method is one module with its settings, its work arrays and its kernels. At compile time the type of the settings
 selects the kernels that a run calls: `attempt_of(settings)(...)`. The formulation determines the arrays of a run.
@@ -44,12 +44,12 @@ def adapt_nothing(model, state, settings, arrays, accepted):
 class Kernels:
     """Kernels that a method provides to the run loop (`run.py`), which calls them.
 
-    Of their arguments, `arrays` are the method's work arrays, including `trial` and `motion` (`arrays/trial.py`), `h`
-    is the size of the current step [s], and `share` is a fraction of the step from 0 to 1. A call means one call of
-    `run.advance`.
+    Of their arguments, `arrays` are the method's work arrays, `h` is the size of the current step [s], and `share` is a
+    fraction of the step from 0 to 1. In `arrays`, `trial` describes the step that is tried, and `motion` has depth,
+    angle, rates and force of every joint (`arrays/trial.py`). A call means one call of `run.advance`.
 
     Attributes:
-        begin: prepares the arrays for a call, computes `motion` and a first step; False if constraints are singular.
+        begin: prepares the arrays for a call, fills `motion`, sets a first step size; False for singular constraints.
         choose: returns the step to try [s] by accuracy, impacts and settings; `remaining` is the time left in the call.
         attempt: tries a step without changing the accepted state; returns the error divided by the tolerance, negative
             if constraints are singular. It may set in `trial` the step to try after a rejection. The run loop derives
@@ -57,16 +57,16 @@ class Kernels:
         complete: computes the quantities that samples and acceptance need and the attempt has not computed.
         sample: records a sample at a fraction of the step.
         commit: moves the state to a fraction of the step, stores depths and rates in `motion`; False if singular.
-        evaluate: computes the rest of `motion` at the accepted state, whose forces an event may have `changed`.
+        evaluate: fills the rest of `motion` at the accepted state; `changed` tells if an event has changed the forces.
         open_contact: returns a joint's inverse effective mass [1/kg] at the start of contact.
         contact_arcs: returns the arcs along which the line of centres has moved in the frames of journal and bearing,
             as (middle, half-width) [rad] each.
         depth, angle: return the penetration [m] and the angle [rad] of a joint at a fraction of the step.
-        landing: how steps end at events: NOT_AT_ALL, AT_SHARE or BY_SOLVING_AGAIN.
+        landing: how steps end at events: NOT_AT_ALL, AT_SHARE (by interpolation) or BY_SOLVING_AGAIN (a shorter step).
         control: controller of the step size, without effect on a fixed step.
         note_peaks: raises the force maxima to the peaks inside the step.
-        resume: prepares the next step, after the ends of contacts.
-        adapt: changes the method's own choices after the next step's size is set.
+        resume: prepares the next step; called after every accepted step, when contacts that have ended are closed.
+        adapt: chooses between explicit and linearly implicit steps, after the next step's size is set.
     """
 
     begin: Callable
@@ -201,7 +201,7 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable) -> Callable:
-    """Return a function that maps kernel settings to `pick(kernels)` of their method; the compiler resolves it."""
+    """Return a function that maps kernel settings, by type at compile time, to `pick(kernels)` of their method."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 

@@ -75,7 +75,7 @@ def may_be_stiff(joint, joint_state):
 
 @kernel
 def enter_torques(torques, j, loads):
-    """Write the torques of joint `j` to row `j` of `loads`; `enter_cable` adds the cable loops' torques afterwards."""
+    """Write joint `j`'s `HingeTorques` [N m] to their columns in row `j` of `loads`; set the cable torque to 0."""
     loads[j, c.SPRING_TORQUE] = torques.spring
     loads[j, c.HARNESS_TORQUE] = torques.harness
     loads[j, c.CABLE_TORQUE] = 0.0
@@ -105,8 +105,9 @@ def summed_torque(loads, j):
 def add_torque_powers(torques, rate, weight, j, out):
     """Add to `out`, times `weight`, the power of joint `j`'s motor and the dissipation of latch, damper and friction.
 
-    `weight` is 1 where `out` holds rates of time integrals, and a time [s] where it holds the integrals. `rate` is the
-    joint's [rad/s]. Vectors are summed over their elements.
+    Each of the four has its own entry of `out` (integrals,). Entries are powers [W] if `weight` is 1, and works [J] if
+    it is a duration [s]. `rate` is the joint's [rad/s]. If torques, `rate` and `weight` are vectors over the stages of
+    a step, their products are summed over the stages.
     """
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.MOTOR_WORK] += sum_lanes(weight * torques.motor * rate)
@@ -116,7 +117,7 @@ def add_torque_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_resistance_powers(torques, rate, weight, j, out):
-    """Add to `out`, times `weight`, the dissipation by joint `j`'s damper and friction; see `add_torque_powers`."""
+    """Add `weight` times the losses in joint `j`'s damper and friction at `rate` [rad/s] to their entries of `out`."""
     first = m.INTEGRALS_PER_JOINT * j
     out[first + m.DAMPER_DISSIPATION] -= sum_lanes(weight * torques.damping * rate)
     out[first + m.HINGE_FRICTION_DISSIPATION] -= sum_lanes(weight * torques.friction * rate)
@@ -124,10 +125,11 @@ def add_resistance_powers(torques, rate, weight, j, out):
 
 @kernel
 def add_cable_power(cable, torque, rate, weight, out):
-    """Add the power of a cable loop, times `weight`, to its entry of `out` (see `add_torque_powers`).
+    """Add the power that a cable loop supplies, times `weight`, to the cable work of its inner joint in `out`.
 
-    `torque` acts on the outer joint [N m]; `rate` is the inner wheel's [rad/s]. The power is zero if torque ratio and
-    wheel ratio are equal. Vectors are summed over their elements.
+    `torque` [N m] acts on the outer joint, minus torque ratio times `torque` on the inner one; `rate` [rad/s] is the
+    inner wheel's. The cable is stretched by the angle wheel ratio * inner - outer wheel angle: if both ratios are
+    equal, it supplies no power. Vectors are summed over their elements.
     """
     power = torque * (cable.wheel_ratio - cable.torque_ratio) * rate
     out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += sum_lanes(weight * power)
@@ -135,7 +137,7 @@ def add_cable_power(cable, torque, rate, weight, out):
 
 @kernel
 def add_torque_energies(joint, joint_state, angle, energies):
-    """Add to `energies` the energies [J] that springs, harness and stops of a joint store at an angle [rad]."""
+    """Add the energies [J] of a joint's springs, harness and stops at `angle` [rad] to their entries of `energies`."""
     stretch = joint.spring_preload_angle - angle
     energies[m.SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
     if joint.spring_points > 0:

@@ -16,7 +16,7 @@ UNITS = ("s", "N", "Nm", "Ns", "J", "m")
 
 
 def run_episode(env: gymnasium.Env, controller: Controller, seed: int) -> Figures:
-    """Run one deterministic episode; return its results by name (see `episode_figures`), and its seed."""
+    """Run one deterministic episode; return a dictionary: "seed", and scalars such as "return" (`episode_figures`)."""
     observation, _ = env.reset(seed=seed)
     state = None
     episode_start = np.ones(1, dtype=bool)

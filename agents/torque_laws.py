@@ -155,7 +155,7 @@ class TorqueLaw(DeterministicController):
 
 
 def bounded(default: float | tuple[float, ...], lower: float, upper: float) -> Any:
-    """Declare a parameter of a law by its default, and the range in which tuning searches each of its numbers."""
+    """Return a dataclass field for a torque law's parameter, with default and the bounds of each number in tuning."""
     return field(default=default, metadata={"bounds": (lower, upper)})
 
 
@@ -199,7 +199,7 @@ P = TypeVar("P", bound=LawParameters)
 
 
 class TunableLaw(TorqueLaw, Generic[P]):
-    """A torque law with tunable parameters, by default `defaults`; it raises a ValueError where `TorqueLaw` does."""
+    """A torque law with tunable parameters, by default `defaults`; an unsuitable environment raises a ValueError."""
 
     defaults: P
 

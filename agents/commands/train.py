@@ -80,7 +80,7 @@ def run_command(args: Args) -> int:
 
 
 def configuration(args: Args) -> runs.Configuration:
-    """Make the run's configuration; PPO rollouts have 2048 steps, at most `timesteps`, of all environments together."""
+    """Return the run's settings; PPO's n_steps defaults to min(2048, timesteps) / n_envs, rounded down, at least 2."""
     if args.algo not in ALGORITHMS:
         raise ValueError(f"no algorithm {args.algo!r}; available: {', '.join(ALGORITHMS)}")
     timesteps = TIMESTEPS if args.timesteps is None else args.timesteps

@@ -97,13 +97,14 @@ class NamedController:
 
 
 def parse_controller(text: str) -> NamedController:
-    """Return the controller for `NAME=SPEC` or SPEC; SPEC is a law, a shipped policy, a run folder or a model.zip.
+    """Return the controller for `NAME=SPEC` or SPEC: a law, a shipped policy, a run folder, a model.zip or a search.
 
-    The default NAME is the law's or policy's name, the last component of the folder's path, or all of
-    "receding-horizon:SPEC". The path of an existing folder is always a SPEC alone, even if it contains "=".
+    A search, "receding-horizon:SPEC", improves the actions of controller SPEC; its default NAME is this whole text. The
+    other default NAMEs are the law's or policy's name, or the path's last component. The path of an existing folder is
+    always a SPEC alone, even if it contains "=".
 
     Raises:
-        ValueError: SPEC is "receding-horizon" alone, or a search ("receding-horizon:SPEC") around another search.
+        ValueError: SPEC is "receding-horizon" alone, or a search around another search.
     """
     name, separator, spec = text.partition("=")
     if not separator or Path(text).is_dir():

@@ -122,7 +122,7 @@ def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[s
 
 
 def run_cell(cell: Cell) -> Row:
-    """Run the episode that a `cell` of `episode_cell` describes; return results of `run_episode`, or seed and error."""
+    """Run the episode of `cell`, a dictionary from `episode_cell`; return results by name, or "seed" and "failure"."""
     env, controller = _prepared(json.dumps({**cell, "seed": None}))
     try:
         return run_episode(env, controller, cell["seed"])
@@ -132,7 +132,7 @@ def run_cell(cell: Cell) -> Row:
 
 @lru_cache(maxsize=4)
 def _prepared(text: str) -> tuple[gymnasium.Env, Controller]:
-    """Make and cache environment and controller of an episode, given `episode_cell`'s dictionary as JSON, seed null."""
+    """Make environment and controller from JSON `text`, a dictionary from `episode_cell`; cache them for all seeds."""
     cell = json.loads(text)
     env = _environment(cell["env_id"], json.dumps(cell["env_kwargs"]))
     if "parameters" in cell:

@@ -21,10 +21,10 @@ OVER = ("environment steps", "seconds of a core")  # names of the abscissas
 
 @rc_context(STYLE)
 def comparison_figure(summary: Summary, path: Path) -> None:
-    """Plot interquartile mean, interval and worst episode of each controller's results, and save the plot to `path`.
+    """Plot interquartile mean with 95 % interval, and worst episode, of each controller's results; save to `path`.
 
     Fewer than `FEWEST` episodes have no interval. A quantity that is zero for all controllers, such as wear with ideal
-    joints, has no panel. `summary` comes from `agents.comparison.report.summarize`.
+    joints, has no subplot. `summary` comes from `agents.comparison.report.summarize`.
     """
     panels = [("return", *TABLE["return"])]
     for key in ("peak_postlock_force_N", "sliding_work_J", "wear_depth_max_m"):

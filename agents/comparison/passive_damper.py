@@ -1,4 +1,4 @@
-"""Comparison of a controlled drive with the best passive damper on one array: tuned laws and a shipped policy."""
+"""Comparison of drives (tuned torque laws and a shipped policy) with the best passive hinge damper on one array."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -38,7 +38,7 @@ class Contest:
     progress: bool
 
     def damped(self, damping: float) -> Keywords:
-        """Return environment keywords with `damping` [N m s/rad] in all hinges, and with torque laws' observations."""
+        """Return `env_kwargs` with `damping` [N m s/rad] in all hinges and torque laws' observation, action, period."""
         return {**self.env_kwargs, **OF_LAWS, "parameters": {**self.env_kwargs["parameters"], "hinge_damping": damping}}
 
     def cells(self, spec: str, env_kwargs: Mapping[str, object], seeds: Sequence[int], **more: object) -> list[Cell]:
@@ -72,8 +72,9 @@ class Contest:
     def rows(self, laws: Sequence[str], episodes: int) -> tuple[list[Row], Keywords]:
         """Tune damper and laws; run them, the springs alone and a shipped policy on the same evaluation episodes.
 
-        Return rows for `agents.comparison.report`, and findings: the damping, the laws' parameters, sentences on
-        controllers that do not fit the environment, such as its joints ("unfit"), the number of hinges, and the model.
+        Return one row of results per controller and episode, and a dictionary of findings: "hinge_damping"
+        [N m s/rad], "laws" (dictionary of each law's parameters), "hinges" (their number), "model", and "unfit". The
+        last is a list of sentences on controllers that were left out because they do not suit the environment.
         """
         seeds, driven = episode_seeds("evaluation", self.seed, episodes), {**self.env_kwargs, **OF_LAWS}
         damping = self.best_damper()
@@ -109,9 +110,9 @@ class Contest:
 
 
 def answer(summary: Summary, found: Mapping[str, Any], torque_limit: float) -> list[str]:
-    """Return sentences that compare returns, torques and forces of the best drive and the best damper.
+    """Return sentences that compare returns, torques and forces of the best drive, the best damper and the springs.
 
-    They state the drive's `torque_limit` [N m], and findings of `Contest.rows` (`found`), such as unfit controllers.
+    They also state `torque_limit` [N m] and `found` of `Contest.rows`: model, number of hinges, unsuitable controllers.
     """
     returns = {name: entry["return"].mean for name, entry in summary.items()}
     (damper,) = (name for name in returns if name.startswith(DAMPER))

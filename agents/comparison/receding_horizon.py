@@ -16,7 +16,7 @@ class SearchSettings:
     """Settings of the search of `RecedingHorizon`.
 
     Attributes:
-        knots: Number of values of the residual (added to the base's action), at equal times from now to the deadline.
+        knots: Number of corrections to a base controller's action, evenly spaced in time from now to the deadline.
         candidates: Number of rollouts in an iteration.
         elites: Number of the best rollouts, to which the next iteration's distribution is fitted.
         iterations: Number of iterations of the cross-entropy method at every replanning.
@@ -115,7 +115,7 @@ class RecedingHorizon(DeterministicController):
     def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Simulate the episode's rest n times; return actions and rewards (n, periods), zero after an episode's end.
 
-        A row of `residuals` (n, knots), linear between `knot_times` (knots,) [s], is added to the base's actions.
+        Rows of `residuals` (n, knots), linear between `knot_times` (knots,) [s], add to the base controller's actions.
         """
         task, count = self._env.task, len(residuals)
         longest = task.deadline * (1.0 + task.overtime) + task.settling_window

@@ -108,7 +108,7 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
 
 
 def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, object]) -> tuple[Summary, str]:
-    """Write episodes.csv, metrics.json, comparison.md to `folder`; return estimates by controller and Markdown text."""
+    """Write episodes.csv, metrics.json, comparison.md to `folder`; return (each controller's means, Markdown text)."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
     make_folder(folder)
     write_table(folder / "episodes.csv", [dict.fromkeys(columns, "") | row for row in rows], {})

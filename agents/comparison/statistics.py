@@ -39,8 +39,8 @@ def estimate(
     zero. NaN values are left out; without other values the estimate is NaN.
 
     Args:
-        runs: One array (episodes,) of values for each training run; a baseline has one run. Comparisons with
-            another controller have arrays (references, episodes), a row for each of its runs; rows are resampled, too.
+        runs: One array (episodes,) of values for each training run; a baseline has one run. Arrays (references,
+            episodes) hold values relative to each run of another controller, the references, which are resampled, too.
         resamples: Number of bootstrap resamples.
         mean: Function that reduces the last axis.
 
@@ -77,18 +77,18 @@ def estimate(
 
 
 def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
-    """Estimate the mean of run minus reference run on the same episodes, over all pairs of a run and a reference run.
+    """Estimate the interquartile mean of run minus reference run on the same episodes, over all pairs of such runs.
 
-    Each training run and each reference run is an array of values (episodes,); other lengths raise a ValueError.
+    Runs and references are arrays of values (episodes,) on the same episodes. The `Estimate` has a 95 % interval.
     """
     return estimate([mine - np.stack(references) for mine in runs])
 
 
 def improvement(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
-    """Estimate the probability that a run does better than a reference run on the same episode; a tie counts half.
+    """Estimate the probability, with 95 % interval, that a run beats a reference on the same episode; a tie is half.
 
     This is the paired form of the measure of R. Agarwal et al. (Deep Reinforcement Learning at the Edge of the
-    Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264). Arguments are as in `difference`; higher is better.
+    Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264). Runs and references are arrays of returns (episodes,).
     """
     better = [0.5 * (1.0 + np.sign(mine - np.stack(references))) for mine in runs]
     return estimate(better, mean=lambda values: np.mean(values, axis=-1))

@@ -95,10 +95,11 @@ class SoftStartParameters(ServoParameters):
 
 
 class SoftStartServo(VelocityProfileServo):
-    """A servo that lands the array after an open-loop torque history that starts the motion gently.
+    """A servo that brings the array slowly to the latches, after an open-loop torque history for a gentle start.
 
-    The servo takes over gradually at the time `handover`, or at once at the last latch. Without the history, the servo
-    accelerates the array at once, to have time for the landing; from this start comes nearly all wear of soft landings.
+    The servo takes over gradually at the time `handover`, or at once at the last latch, when it begins to damp the
+    swing. Without the history it would accelerate the array at once, to have time for the slow arrival. Nearly all wear
+    of deployments with a slow arrival comes from such a start.
     """
 
     parameters: SoftStartParameters

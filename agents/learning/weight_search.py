@@ -111,7 +111,7 @@ class CMAES(ARS):
         callback.on_rollout_end()
 
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
-        """Run candidate weights `searched` for an episode per environment; the policy becomes the best one so far."""
+        """Run weights `searched` once in every environment; the policy gets them if their mean return is the best."""
         first = self.seed or 0
         tries = [(searched, first + episode) for episode in range(self.env.num_envs)]
         mean_return = float(self._returns(tries, callback).mean())

@@ -21,7 +21,7 @@ def _turning(spin: float, arm: Point) -> Point:
 
 
 def _outward(row: JointRow) -> float:
-    """Return the angle [rad] from inboard body to panel when in line: pi for the first panel towards -x, else 0."""
+    """Return a panel's angle [rad] from the inboard body if in line with it: pi on the main body's -x side, else 0."""
     return math.pi if row.side < 0 and row.inboard == MAIN_BODY else 0.0
 
 

@@ -52,7 +52,7 @@ class Answer:
 
     @property
     def bound(self) -> float:
-        """Upper end of the error's 95 % band: the smallest tolerance that the model level is known to satisfy."""
+        """Upper end of the 95 % band of the model level's relative error against the reference: error + half_width."""
         return self.error + self.half_width
 
 
@@ -84,7 +84,9 @@ def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
 
 
 def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answer:
-    """Return the answer of the cheapest level for `question`, a key of QUESTIONS, whose `bound` is within a tolerance.
+    """Return the `Answer` of the cheapest model level (fidelity) that computes a result to within `tolerance`.
+
+    `question`, a key of QUESTIONS, names the result. The upper end of the error's 95 % band, `Answer.bound`, decides.
 
     Raises:
         ValueError: if the question is unknown or was not measured, the relative tolerance is not positive or exceeds 10

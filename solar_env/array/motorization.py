@@ -78,11 +78,11 @@ def listed(hinges: Sequence[Motorization]) -> str:
 
 
 def motorization(parameters: ArrayParameters, factors: Mapping[str, Any] | None = None) -> tuple[Motorization, ...]:
-    """Return a `Motorization` (driving, resisting torques) per hinge, then per wing if cable loops couple its hinges.
+    """Return a tuple: a `Motorization` (torques) for each hinge, then one per wing if cable loops couple the hinges.
 
     Args:
         parameters: array parameters. Motor torque and the friction of the journals, which are unloaded, do not count.
-        factors: uncertainty factors by resistance, which replace entries of FACTORS.
+        factors: uncertainty factor for each resistance by name, such as "friction"; replaces entries of FACTORS.
 
     Raises:
         ValueError: a factor is unknown, or not positive.
@@ -104,10 +104,12 @@ def weakest(parameters: ArrayParameters, ranges: Ranges) -> ArrayParameters:
 
 
 def slowest_damper(parameters: ArrayParameters, duration: float) -> float:
-    """Compute the greatest damping [N m s/rad] with which mean driving torques open every hinge within `duration` [s].
+    """Compute the greatest damping [N m s/rad], equal in all hinges, with which each opens within `duration` [s].
+
+    A hinge opens at a steady rate, at which the damping balances its driving torque averaged over the angle.
 
     Raises:
-        ValueError: a hinge has no torque.
+        ValueError: a hinge has no driving torque.
     """
     hinges = motorization(parameters)[: parameters.joint_count]
     most = min(float(hinge.driving.mean()) * duration / hinge.angles[-1] for hinge in hinges)

@@ -30,7 +30,7 @@ class Args(FolderOptions, QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Print the cheapest model level for the result `ask`, or measure, tabulate and draw errors and costs of levels."""
+    """Print the cheapest model level (fidelity) for the result --ask; without --ask, measure and draw all levels."""
     if args.ask is not None:
         answer = cheapest(read_answers(), args.ask, args.tolerance)
         print(answer.level)

@@ -44,7 +44,7 @@ def compile_side_by_side() -> Iterator[tuple[str, list[float]]]:
     """Compile the kernels of all integrators in two processes.
 
     Yields:
-        (name of an integrator, list of its loading times [s], one for each model level in MODELS).
+        (name of an integrator, list of wall times [s] to compile or load from the cache, one per level in MODELS).
     """
     # Joblib, used elsewhere, will not do: it takes the memory of compiling for a leak, and restarts its workers.
     pool = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))

@@ -42,7 +42,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     | Num | Action | Min | Max | Unit |
     |-----|--------|-----|-----|------|
-    | 0   | target of u / 4.5, where u sets the rate at which the driven hinge is to open | -1 | 1 | - |
+    | 0   | command of the driven hinge's opening rate, on the scale defined below | -1 | 1 | - |
 
     The drive's rate setpoint is 0.098 exp(u) rad/s for negative u and 0.098 (1 + 0.05 u) rad/s for positive u, where u
     follows 4.5 times the action with a lag of 5 s. An action of 0 deploys the array unhurriedly: 0.098 rad/s opens the
@@ -92,11 +92,11 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     where F is the peak force and W the sliding work: a tenfold F costs 1, a tenfold W costs 2. The term `opening` earns
     the 3.2 step by step. If a joint is still open at 40 s, t is 40, and a further 12 to 24 is charged, according to
-    the joints' mean distance to the lock: more than F and W can cost together, which a changed `reward` must keep.
+    the joints' mean distance to the lock. F and W together cost less; a changed `reward` must keep this, or is refused.
 
     With rigid panels the springs alone return -4.0. The best constant action, 0, returns -2.4. PPO of Stable-Baselines3
     with its defaults returns -0.6 to -0.1 after 100,000 steps, and 0.7 to 1.0 after a search over the last layer of its
-    policy. The tuned PD controller returns -0.18, the tuned servo 0.87.
+    policy. Of the tuned torque laws, the PD controller returns -0.18, and the velocity-profile servo 0.87.
 
     ## Starting State
 

@@ -27,7 +27,7 @@ Info = dict[str, Any]  # Gymnasium's `info` of a step, or the figures of a deplo
 
 class SavedEpisode(NamedTuple):
     """A copy of an episode between two steps: array parameters, settings, simulation state (contacts included), latest
-    reward terms, physical quantities charged since the episode's start, and the states of drives and sensors.
+    reward terms, physical quantities that the reward has counted so far, and the states of drives and sensors.
     """
 
     parameters: ArrayParameters
@@ -180,7 +180,7 @@ class Episodes:
         return failures
 
     def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
-        """Return, by lane (environment), a user reward function's argument: a dict of "time_s" and term quantities."""
+        """Return, by lane (environment), a dict for a user's reward function: "time_s", and each term's quantity."""
         times, told = self.times.tolist(), self.settings.terms.told
         return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 

@@ -87,7 +87,7 @@ class EnvironmentSettings:
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
-        """Make settings from keywords, completed by the scenario's values; an unknown keyword raises a TypeError."""
+        """Make settings from keywords; the keyword `scenario` sets defaults. An unknown keyword raises a TypeError."""
         known = [item.name for item in fields(cls)]
         for name in keywords:
             if name not in known:
@@ -146,7 +146,7 @@ class EnvironmentSettings:
 
     @cached_property
     def task(self) -> Task:
-        """The control task: limits, times, action and driven joints by keyword, otherwise by the task's version."""
+        """The control task: limits, times, action and driven joints, with defaults from the version of the task."""
         given = {item.name: plain(getattr(self, item.name, None)) for item in fields(Task)}
         usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
@@ -177,7 +177,7 @@ class EnvironmentSettings:
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
-        """Descriptions of the observation vector's entries in order: observable, index of joint or motor, and age."""
+        """Descriptions of the observation's entries in order: observable, joint or motor, age in control periods."""
         observation = VERSIONS[self.version].observation if self.observation is None else self.observation
         return observation_entries(len(self.array.joints), observation, self.task.driven_joints)
 

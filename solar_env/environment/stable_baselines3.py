@@ -45,7 +45,10 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin episodes with seeds (or the constructor's `first_seed` + lane) and options set since the last reset."""
+        """Begin an episode in every lane (environment), with the seeds and options set since the last reset.
+
+        With the constructor's `first_seed`, lane i instead has the seed first_seed + i at every reset.
+        """
         if self._first_seed is not None:
             self.seed(self._first_seed)
         seeds: Any = self._seeds
@@ -96,7 +99,7 @@ class NativeVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: object, indices: VecEnvIndices = None, **kwargs: object
     ) -> list[Any]:
-        """Call a method for each lane (environment) in `indices`: the lane's, otherwise the vector environment's."""
+        """Call each lane's (environment's) method, or the vector environment's if lanes lack it; return the results."""
         lanes = [self.env.unwrapped.lane(lane) for lane in self._get_indices(indices)]
         return [getattr(lane, method_name)(*method_args, **kwargs) for lane in lanes]
 

@@ -277,9 +277,9 @@ def _tick_spacing(duration: float) -> float:
 
 
 def _crosswise(segment: Array) -> Array:
-    """Return unit vectors (4, 2) along a segment, across it, and opposite to these two, in pixel axes with y down.
+    """Return four unit vectors (4, 2) in pixel axes (y down): along a segment, to its right, and their opposites.
 
-    The segment leads from the first to the second of the points (k, 2), whose y axis points up.
+    The segment leads from point `segment[0]` to `segment[1]`, in axes with y up; further points are ignored.
     """
     dx, dy = segment[1] - segment[0]
     along, across = np.array([(dx, -dy), (dy, dx)]) / math.hypot(dx, dy)

@@ -47,13 +47,14 @@ def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: 
 
 
 def passive_profile() -> np.ndarray:
-    """Return the profile (NUMBERS,) of zero actions, coded as 0.5, and of chatter (square waves) without amplitude."""
+    """Return the profile (NUMBERS,) of zero actions: KNOTS values 0.5 in the range 0 to 1, and flat square waves."""
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 
 def deployments(env: Any, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[Info]:
-    """Run an episode of each action profile (NUMBERS,) with the seed at the same index, in vector environment `env`.
+    """Run an episode of each action profile with the seed at the same index, in vector environment `env`.
 
+    A profile (NUMBERS,) holds actions at KNOTS times and the parameters of two square waves, which `actions` decodes.
     Return, for each episode, a dictionary with its "return" and the entries of `info["deployment"]`.
     """
     env, idle = env.unwrapped, env.num_envs - len(profiles)

@@ -130,7 +130,7 @@ def _row(
 
 
 def panels(table: Table) -> dict[str, Panel]:
-    """Convert a table to a `Panel` for each environment (scene), with learning curves and the torque laws' returns."""
+    """Sort a table of returns into subplot data (`Panel`) per environment: learning curves, torque laws' returns."""
     found = {}
     for scene in map(str, table.values("scene")):
         of_scene = table.where(scene=scene)

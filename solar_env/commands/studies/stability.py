@@ -36,7 +36,7 @@ def run(args: Args) -> int:
 
 
 def _walk_parameters(args: Args, folder: Path) -> int:
-    """Simulate with many values of each parameter; return 1 if a run failed without error or warning, otherwise 0."""
+    """Vary each array parameter, tabulate runs in `folder`; return 1 if an energy error gave no warning, else 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability import parameter_ranges as ranges
 
@@ -51,7 +51,7 @@ def _walk_parameters(args: Args, folder: Path) -> int:
 
 
 def _report(name: str, path: Path) -> int:
-    """Draw the stability map `name` from its table `path`; return 1 if a run's failure went unreported, otherwise 0."""
+    """Draw the stability map `name` from table `path`; return 1 if the library left a failure unreported, else 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map

@@ -108,7 +108,7 @@ def motor_row(
 
 
 def task_numbers(task: Task, hardware: Hardware, array: ArrayParameters) -> TaskNumbers:
-    """Return the `TaskNumbers` of a task for drives with this hardware on the joints of this array."""
+    """Convert a task to numbers for compiled code (`TaskNumbers`): times, and motor data from hardware and array."""
     period = task.control_period / task.samples(hardware)
     if task.has_loop:
         period /= refinement(hardware, array, task.driven_joints, period)
@@ -143,7 +143,10 @@ def numbers_of(lanes, lane):
 
 @kernel
 def asked_rate(motor, memory, action):
-    """Advance a first-order lag of `action` (`memory[LOG_RATIO]`) by a sample; return the requested rate [rad/s]."""
+    """Advance u, `memory[LOG_RATIO]`, by a sample towards REACH * `action`; return the requested rate [rad/s].
+
+    It is `motor.cruise` times exp(u) if u is negative, or times 1 + HASTE * u if u is positive.
+    """
     memory[LOG_RATIO] += motor.lag_response * (REACH * action - memory[LOG_RATIO])
     u = memory[LOG_RATIO]
     return motor.cruise * (math.exp(u) if u < 0.0 else 1.0 + HASTE * u)

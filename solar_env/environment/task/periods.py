@@ -42,9 +42,10 @@ class Periods(NamedTuple):
 
 
 def error_count(task: TaskNumbers) -> int:
-    """Return the greatest number of the drives' control samples in an environment step; rate noise is drawn for each.
+    """Return the greatest number of sampling intervals of the drives in an environment step, equal for all drives.
 
-    If drives bring the array to rest, a step may include this settling, whose first and last sample may be partial.
+    Each interval has a random error of every motor's measured rate. If the drives bring the array to rest, a step may
+    include this settling, whose first and last interval may be partial.
     """
     period = float(task.sample_period)
     return round(task.control_period / period) + (
@@ -53,10 +54,11 @@ def error_count(task: TaskNumbers) -> int:
 
 
 def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArray[np.float32]) -> Periods:
-    """Allocate `Periods` for a number of `lanes` (environments), each with numbers of `motors` and reward `terms`.
+    """Allocate `Periods` (actions, times and results of a control period) for a batch of `lanes` environments.
 
-    `errors` is the greatest number of drive samples in a step; each has an error of the measured rate of every motor.
-    `exact` (lanes, measured) is the array to which kernels will write observations without sensor effects.
+    Each has `motors` motors and `terms` reward terms. `errors` is the greatest number of sampling intervals of the
+    drives in an environment step; in each of them, every motor's measured rate has an error. Kernels will write
+    observations without sensor effects to `exact` (lanes, measured).
     """
     return Periods(
         np.zeros((lanes, motors)),
@@ -129,7 +131,7 @@ def hold_lanes(
         tasks: `TaskNumbers` of all lanes.
         channels: (measured,) records of the observed quantities, from `observations.channels`.
         prices: (terms,) records of the reward terms, from `reward.Reward.rows`.
-        periods: `Periods` of all lanes; a lane that fails keeps its last observation and reward terms.
+        periods: `Periods` of all lanes: actions are read; rewards and observations are written, unless a lane fails.
     """
     while True:
         ticket = take_ticket(counter)

@@ -68,13 +68,13 @@ class Price:
 
 
 class RewardTerm(NamedTuple):
-    """A term of the reward: in each step, minus the growth of a physical quantity's cost.
+    """A term of the reward: in each step, minus the increase in the cost of a physical quantity.
 
     Attributes:
-        figure, phase, unit: charged quantity, part of the episode in which it is charged, and its unit, as texts.
-        code: integer that selects the quantity in the kernel `reading`.
-        growth: rule by which readings at the ends of steps give the charged amount: LATEST reading, GREATEST magnitude,
-            or sum of the magnitudes of CHANGES.
+        figure, phase, unit: texts for the quantity, the part of the episode in which it costs, and its unit.
+        code: integer for the kernel `reading`, which measures the quantity at the end of each step.
+        growth: how the quantity since the episode began follows from these measured values: it is the LATEST value, the
+            GREATEST magnitude, or the sum of the magnitudes of CHANGES.
         scale: default of `Price.scale`; the weight is 0 unless the task's version or the keyword `reward` gives one.
         sign: 1 for a quantity that costs, -1 for a quantity that earns.
     """
@@ -186,7 +186,7 @@ class Reward:
         return np.array(rows, dtype=price_type)
 
     def told(self, time: float, account: NDArray[np.float64]) -> Told:
-        """Map "time_s" to `time` [s], and names of terms to charged quantities (unweighted), `account[:, FIGURE]`."""
+        """Map "time_s" to `time` [s], and each term's name to its quantity so far, column 0 of `account` (terms, 2)."""
         figures = dict(zip((term.name for term in REWARD_TERMS), account[:, FIGURE].tolist(), strict=True))
         return Quantities(figures, time_s=time)
 
@@ -207,8 +207,8 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 def v1_return(figures: Mapping[str, Any]) -> float:
     """Compute the return of a deployment by the rewards of task version 1, from its results `info["deployment"]`.
 
-    Tables of controllers have this return as `v1_return`. A missed deadline costs 25. The rewards of version 1 also
-    charge 25 times the joints' mean distance to the lock, in lock angles, up to 25; this function omits that.
+    Tables of controllers have this return as `v1_return`. A missed deadline costs 25. The rewards of version 1 then
+    charge up to 25 more, in proportion to the joints' mean distance to the lock; this function omits that.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
@@ -259,17 +259,18 @@ def reading(code, model, state, task):
 
 @kernel
 def cost(price, figure):
-    """Return the cost, without the weight, of a quantity `figure` at the scale, bound and form of `price`."""
+    """Return the unweighted cost x = min(figure / price.scale, price.bound), or log10(1 + x) in the form DECADES."""
     x = min(figure / price.scale, price.bound)
     return x if price.form == LINEAR else math.log10(1.0 + x)
 
 
 @kernel
 def charge(model, state, task, prices, account, terms):
-    """Write the reward terms of a control period to `terms` (terms,), update the account, and return the terms' sum.
+    """Write the reward terms of a control period to `terms` (terms,), update `account`, and return the terms' sum.
 
-    `prices` (terms,) are `price_type` records. `account` (terms, 2) holds the amount of each term's quantity charged so
-    far, and the latest reading of the quantity; an episode begins with zeros.
+    A term is minus the period's increase in the cost of a physical quantity, such as sliding work, at the price in
+    `prices` (terms,), `price_type` records. `account` (terms, 2) holds each quantity's amount so far in the
+    episode, and the value last read from the state; an episode begins with zeros.
     """
     total = 0.0
     for k in range(prices.size):

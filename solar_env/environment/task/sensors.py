@@ -70,7 +70,7 @@ class Sensors:
                 mine[:] = self._rate_noise * self._generators[lane].standard_normal(mine.shape)
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
-        """Begin episodes in environments `lanes` (k,) with noise from `generators`: set `observed` and past values."""
+        """Begin episodes of environments `lanes` (k,): past values copy one measurement with noise of `generators`."""
         for lane, generator in zip(lanes, generators, strict=True):
             self._generators[lane] = generator
         if self._transparent:

@@ -39,9 +39,10 @@ class Linearization(NamedTuple):
 
 
 class NewtonEquations:
-    """Residual and matrix of Newton's iteration for a mechanism at one configuration, as dense arrays.
+    """Dense residual and matrix of Newton's iteration for a mechanism's equations of motion with constraints, at t = 0.
 
-    Torques of stops are included. Contact forces in clearance joints are not, because a contact begins only in motion.
+    The unknowns are coordinates and multipliers, at given accelerations (zero for an equilibrium). Torques of stops
+    are included. Contact forces in clearance joints are not, because a contact begins only in motion.
     """
 
     def __init__(self, model: Model, state: State) -> None:

@@ -61,7 +61,7 @@ def fill_lane(lanes: Arrays, lane: int, arrays: Arrays) -> None:
 
 
 def _pairs(lanes: Any, arrays: Any) -> Iterator[tuple[str, NDArray[Any], Any]]:
-    """Yield (name, batch array of `lanes`, a mechanism's array of `arrays`) for every entry of nested named tuples."""
+    """Yield (name, batch array, one mechanism's array) of all entries in nested named tuples `lanes` and `arrays`."""
     for name, target, source in zip(lanes._fields, lanes, arrays, strict=True):
         if isinstance(target, tuple):
             yield from _pairs(target, source)
@@ -78,7 +78,7 @@ def _mapped(function: Any, arrays: Any) -> Any:
 
 @overload(lane_view, inline="always")
 def _compiled_lane_view(lanes, lane):
-    """Return a generated function that takes item `lane` of each array, written out: Numba's loops build no tuples."""
+    """Return a generated function that builds the named tuple of views `array[lane]`: Numba's loops build no tuples."""
     classes: dict[str, Any] = {}
 
     def construction(kind: types.BaseNamedTuple, path: str) -> str:

@@ -57,7 +57,7 @@ def slope_factor(x: Real) -> Real:
 
 
 def bending_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Return the `kept` lowest bending modes of a free beam, and pseudo-modes that represent all higher modes.
+    """Return the `kept` lowest bending modes of a free beam, then 4 * `blocks` pseudo-modes for all higher modes.
 
     `stiffness` is E I [N m2]. `blocks` is the number of blocks of Krylov vectors: 0 omits the higher modes, 1 keeps
     their static flexibility, and 2 also keeps the first change of this flexibility with the squared frequency.
@@ -71,7 +71,7 @@ def bending_modes(length: float, mass: float, stiffness: float, kept: int, block
 
 @lru_cache(maxsize=64)
 def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
-    """Return `kept` bending modes of a beam with unit length, mass and stiffness, then 4 * `blocks` pseudo-modes."""
+    """Return `EndModes` of a free unit beam: `kept` bending modes, then 4 * `blocks` pseudo-modes for higher ones."""
     exact = [_end_values(wave_number(k)) for k in range(1, kept + 1)]
     squares = [wave_number(k) ** 2 for k in range(1, kept + 1)]
     signs = [1 if k % 2 else -1 for k in range(1, kept + 1)]
@@ -87,14 +87,18 @@ def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
 
 
 def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
-    """Return `kept` axial modes of a free bar (`stiffness` E A [N]), then 2 * `blocks` pseudo-modes for higher ones."""
+    """Return the `kept` lowest axial modes of a free bar, then 2 * `blocks` pseudo-modes for all higher modes.
+
+    `stiffness` is E A [N]. `blocks` is the number of blocks of Krylov vectors: 0 omits the higher modes, 1 keeps their
+    static flexibility, and 2 also keeps the first change of this flexibility with the squared frequency.
+    """
     numbers, rows = _unit_axial_modes(kept, blocks)
     return EndModes(numbers * math.sqrt(stiffness / mass / length), rows / math.sqrt(mass))
 
 
 @lru_cache(maxsize=64)
 def _unit_axial_modes(kept: int, blocks: int) -> EndModes:
-    """Return `kept` axial modes of a bar with unit length, mass and stiffness, then 2 * `blocks` pseudo-modes."""
+    """Return `EndModes` of a free unit bar: `kept` axial modes, then 2 * `blocks` pseudo-modes for higher ones."""
     numbers = [k * _CONTEXT.pi for k in range(1, kept + 1)]
     rows = [(_CONTEXT.sqrt(2), (-1) ** k * _CONTEXT.sqrt(2)) for k in range(1, kept + 1)]
     for first, sign in ((_next_of_parity(kept, 1), -1), (_next_of_parity(kept, 0), 1)) if blocks else ():
@@ -111,7 +115,7 @@ def _end_modes(numbers: Sequence[Real], rows: Sequence[Sequence[Real]]) -> EndMo
 
 
 def _end_values(x: Real) -> tuple[Real, Real]:
-    """Return the first end's deflection, and slope times length, in the bending mode with the wave number `x`."""
+    """Return deflection and slope at an end of a free unit beam, in its mass-normalized mode with wave number `x`."""
     return _CONTEXT.mpf(2), -2 * slope_factor(x) * x
 
 
@@ -126,7 +130,7 @@ def _sum_over_others(power: int, first: Real) -> Real:
 
 
 def _bending_moment(first: int, power: int) -> Any:
-    """Return the sum of v v^T x^(-4 power) over modes first, first + 2, ...: wave number x, v = (deflection, slope)."""
+    """Return the sum of v v^T x^(-4 power), v = `_end_values(x)`, over wave numbers x of modes first, first + 2, ..."""
     moment = _CONTEXT.matrix(2, 2)
     k = first
     while k <= _ASYMPTOTIC:

@@ -44,7 +44,7 @@ def solve_free(body, constants, force, a):
 
 @kernel
 def add_mass_product(body, constants, a, out):
-    """Add a body's mass matrix times the accelerations `a` (n,) to `out` (n,)."""
+    """Add a body's mass matrix times the accelerations `a` (n,) to `out` (n,); `constants`: beams' mass matrices."""
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:

@@ -102,7 +102,7 @@ def add_mass_product(body, a, out):
 
 @kernel
 def add_body_matrix(body, weight, multiplier, elimination, matrix):
-    """Add weight * (mass matrix) + multiplier * (length constraint's Hessian) of a rigid body to a profile matrix."""
+    """Add weight * (mass matrix) + multiplier * (length constraint's Hessian) to `matrix`, ordered by `elimination`."""
     k = body.offset
     for axis in range(2):
         turn = -1.0 if axis == 0 else 1.0
@@ -206,7 +206,7 @@ def add_length_force(body, q, multiplier, out):
 
 @kernel
 def add_length_border(body, q, row, elimination, matrix):
-    """Add a length constraint's gradient to multiplier `row`'s row and column of `matrix`, ordered by `elimination`."""
+    """Add a length constraint's gradient to the `matrix` row and column that `elimination` gives multiplier `row`."""
     k = body.offset
     for axis in range(2):
         d = q[k + 2 + axis] - q[k + axis]

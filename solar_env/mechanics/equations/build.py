@@ -176,7 +176,7 @@ class _Compiler:
         return np.concatenate([kind.weight(body, self.mechanism.gravity) for kind, body in self._kinds_and_bodies()])
 
     def _loads(self, force: NDArray[np.float64]) -> NDArray[np.void]:
-        """Add load forces (constant generalized forces) to `force` (n,); return (marker, load torque) records."""
+        """Add loads' forces to the generalized `force` (n,); return records (marker, torque) of loads with torque."""
         rows = []
         for load in self.mechanism.loads:
             k = self._marker(load.body, load.point)
@@ -190,7 +190,7 @@ class _Compiler:
         return np.array(rows, dtype=m.load_type)
 
     def _elimination(self, bodies: NDArray[np.void], joints: NDArray[np.void], cables: NDArray[np.void]) -> Elimination:
-        """Return the elimination order: node by node, each multiplier right after the last coordinate it acts on."""
+        """Return the elimination order: four coordinates (a node) at a time, multipliers after the last they act on."""
         n, rows = self.size, len(self.rows)
         position = np.full(n + rows + len(self.described), -1, dtype=np.int64)
         held = {body["offset"] + i for body in bodies if body["fixed"] for i in range(body["coordinates"])}

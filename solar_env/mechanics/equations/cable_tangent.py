@@ -25,8 +25,8 @@ _INNER, _OUTER, _TURN, _LENGTH = range(4)
 def add_cable_slopes(model, cable, q, v, tangent, by_q):
     """Subtract a cable loop's dQ/dq from the profile matrix `by_q`, where Q are the loop's generalized forces.
 
-    The terms with Hessians of the bodies' direction angles must already be in `by_q`: `fill_tangents` enters them with
-    the joints' whole torques. `tangent` must hold the joints' loads, angle gradients and indices of coordinates.
+    The loop's torques times the Hessians of the bodies' direction angles must already be in `by_q`: `fill_tangents`
+    adds them for the sum of each joint's torques. `tangent` must hold joints' loads, angle gradients and coordinates.
     """
     joints, markers, elimination, loads = model.joints, model.markers, model.elimination, tangent.loads
     a, o = cable.joint_a, cable.joint_b
@@ -56,11 +56,12 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 
 @kernel
 def add_chord_slopes(model, cable, q, torque, tangent, by_q):
-    """Write the gradients of a cable loop's wheel angles, chord angle and chord length to `tangent.cable_gradient`.
+    """Write gradients of a cable loop's wheel angles, chord angle and chord length to `tangent.cable_gradient` (4, 16).
 
-    `by_q`, the profile matrix of -dQ/dq, already has Hessians of the direction angles of the body between the joints,
-    times the torques on this body due to the loop's `torque` [N m]. Replace these terms by the sum of the torques times
-    the Hessian of the angle of the chord, the line between the wheels: the loop acts on the chord's ends instead.
+    The chord is the line between the loop's joints. The loop's `torque` [N m] on the outer joint gives a torque at each
+    end of the body between. `by_q`, the profile matrix of -dQ/dq, already has these torques times the Hessians of the
+    direction angles of these ends. Replace these terms by the sum of the two torques times the Hessian of the chord's
+    angle, because the loop really acts by forces on the ends of the chord.
     """
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]

@@ -35,9 +35,10 @@ def row_product(model, work, r, x):
 
 @kernel
 def fill_column(model, work, r):
-    """Write M^-1 times constraint row `r` to `work.columns[r]`.
+    """Write M^-1 times the gradient of constraint `r` to `work.columns[r]` (n,).
 
-    `work.stretch[r]` gets, for both bodies of the row, the column's entries at base point p2 minus the entries at p1.
+    A rigid body's coordinates are the positions of two base points p1 and p2. `work.stretch[r, side]` (2,) gets, for
+    each of the constraint's two bodies that is rigid, this vector's entries at p2 minus the entries at p1.
     """
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
     for side in range(2):
@@ -61,9 +62,9 @@ def fill_column(model, work, r):
 
 @kernel
 def fill_columns(model, work, driven):
-    """Write M^-1 times constraint rows of drives (`driven` true) or of ideal joints (false) to rows of `work.columns`.
+    """Write M^-1 a_r to `work.columns[r]` for constraint rows a_r of drives (`driven` true) or ideal joints (false).
 
-    Their products with all constraint rows go to `work.free_schur`, to the rows and columns with the same numbers.
+    Their products a_s M^-1 a_r with all constraint rows a_s go to entries [r, s] and [s, r] of `work.free_schur`.
     """
     m = work.columns.shape[0]
     for r in range(m):
@@ -90,7 +91,7 @@ def drive_angle(drive, time):
 
 @kernel
 def set_drive_rows(model, time, row_value):
-    """Write the constraint rows of all drives to `row_value`; each keeps a marker's direction at the drive angle."""
+    """Write coefficients of drives' constraints, which fix marker directions at `time` [s], to rows of `row_value`."""
     for k in range(model.drives.size):
         drive = model.drives[k]
         marker = model.markers[drive.marker]
@@ -152,7 +153,10 @@ def add_columns(model, work, multipliers, x):
 
 @kernel
 def subtract_response(model, q, work, multipliers, x):
-    """Subtract from `x` (n,) accelerations due to linear constraints' `multipliers`, while rigid lengths stay fixed."""
+    """Subtract from `x` (n,) the bodies' response P A^T `multipliers` to the forces of joints and drives, A q = b.
+
+    P gives the accelerations at `q` per generalized force, without joints but with lengths of rigid bodies kept.
+    """
     bodies, row_force, solution = model.bodies, work.row_force, work.solution
     for i in range(row_force.size):
         row_force[i] = 0.0
@@ -169,7 +173,7 @@ def subtract_response(model, q, work, multipliers, x):
 
 @kernel
 def prepare_response(model, q, time, work):
-    """Compute the linear constraints' compliance in `work.schur`; return False if the constraints are redundant."""
+    """Factor joints' and drives' compliance (acceleration per multiplier) in `work.schur`; return False if singular."""
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
     return work.schur.shape[0] == 0 or build_schur(model, q, work)
@@ -209,7 +213,8 @@ def velocity_drift(model, q, v, time, work):
 def project(model, q, v, time, work):
     """Project positions and velocities in place onto all constraints by the smallest change in the mass metric.
 
-    `work` must hold the linear constraints' compliance near `q`, from `prepare_response` or from `accelerations`.
+    `work.schur` must hold the factored compliance (acceleration per multiplier) of joints and drives near `q`, which
+    `prepare_response` or `accelerations` writes.
     """
     project_bodies(model.bodies, q, v)
     if work.residual.size > 0:

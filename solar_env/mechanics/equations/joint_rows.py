@@ -89,8 +89,8 @@ def enter_chord(record: np.void, joints: NDArray[np.void]) -> None:
 def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:
     """Return 1 if the axis of the body between a cable loop's joints runs from joint a to joint b, -1 if from b to a.
 
-    With this sign, the wheels' angles are measured from the chord, the straight line between the joints. Return 0 if
-    they are measured from the body itself: it is rigid, and the loop does not pull on the bearings.
+    The wheels' angles are then measured from the chord, the straight line between the joints. If that body is rigid and
+    the loop does not pull on the bearings, return 0: the wheels' angles are then measured from the body itself.
 
     Raises:
         ValueError: if a chord is needed and the joints are not at two points of the body's axis.

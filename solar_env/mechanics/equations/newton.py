@@ -26,7 +26,7 @@ class NewtonMatrices(NamedTuple):
 
 
 def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
-    """Return Newton's matrix, its mass, damping and stiffness parts, and work arrays; only the mass is computed yet."""
+    """Allocate `NewtonMatrices` and fill in the mass matrix; damping, stiffness and Newton's matrix are still empty."""
     mass = make_profile_matrix(model.elimination)
     fill_mass(model, mass)
     return NewtonMatrices(
@@ -47,7 +47,7 @@ def fill_mass(model, matrix):
 
 @kernel(inlined=False)
 def linearize_forces(model, joint_states, q, v, newton):
-    """Compute `newton.stiffness` and `newton.damping` at a configuration; `newton.tangent.loads` must be current."""
+    """Compute stiffness and damping in `newton` at `q`, `v`; call `applied_forces` there first, for the joint loads."""
     fill_tangents(model, joint_states, q, v, newton.tangent, newton.stiffness, newton.damping)
 
 

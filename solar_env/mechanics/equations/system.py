@@ -127,7 +127,8 @@ def applied_forces(model, joint_states, q, v, work):
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Write accelerations to `a` (n,), joint loads and powers to `work`; return False if constraints are redundant.
 
-    `multipliers` gets one value per linear constraint, then one per body: of a rigid body's constant length, or zero.
+    `multipliers` (m + bodies,) gets Lagrange multipliers: m of linear constraints, then one per body. A rigid body's
+    multiplier keeps the distance of its two base points constant; it is zero for beams and fixed bodies.
     """
     force = work.force
     rows = work.residual.size
@@ -143,7 +144,8 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Write accelerations to `a` (n,), joint loads and powers to `work`; return False if constraints are redundant.
 
-    This is `inlined_accelerations` compiled only once: compiling it anew inside every caller would take long.
+    Write Lagrange multipliers of linear constraints, then of bodies, to `multipliers` (m + bodies,). The function is
+    `inlined_accelerations` compiled only once: compiling it anew inside every caller would take long.
     """
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
@@ -178,7 +180,7 @@ def add_mass_products(model, a, out):
 
 @kernel(inlined=False)
 def stored_energies(model, joint_states, q, v, loads, energies):
-    """Write the stored energies [J] at `q`, `v` to `energies` (ENERGIES,); `loads` must belong to the same `q`, `v`."""
+    """Write energies [J] in the order of `ENERGY_NAMES` to `energies`; `loads` is the joint-load table at `q`, `v`."""
     energies[:] = 0.0
     for body in model.bodies:
         energies[m.KINETIC] += dispatch.kinetic_energy(body, model.body_constants, v)

@@ -82,7 +82,7 @@ def first_rise(model, state, settings, arrays, j, kind, h):
 
 @kernel
 def first_event(model, state, settings, arrays, h):
-    """Return (fraction, joint, event kind) of the first contact start, latching or stop in the step `h` in `arrays`."""
+    """Return (step fraction, joint, kind) of a step's first event, or (1, -1, NO_EVENT); `arrays` hold the motion."""
     share, which, what = 1.0, np.int64(-1), NO_EVENT
     for j in range(model.joints.size):
         joint, joint_state, number = model.joints[j], state.joints[j], np.int64(j)

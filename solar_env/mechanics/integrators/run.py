@@ -150,7 +150,10 @@ def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
 
 @kernel
 def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
-    """Accept fraction `share` of step `h` [s], begin event `kind` of `joint`; False if constraints are singular."""
+    """Move `state` to the fraction `share` of a step `h` [s], and record it; return False if constraints are singular.
+
+    Unless `kind` is NO_EVENT, `joint` then starts its contact, latches or engages its stop.
+    """
     clock, start = state.clock[0], state.clock[0].time
     end = start + share * h
     complete_of(settings)(model, state, settings, arrays, h)
@@ -198,7 +201,7 @@ def begin_at_once(model, state, settings, arrays, joint, kind):
 
 @kernel
 def check_state(model, state, arrays):
-    """Check that `state` is finite, and depths and angles in `arrays.motion` are in range; return a status code."""
+    """Check for NaN, penetrations beyond journal radii and angles near their jump by 2 pi; return a status code."""
     if not (all_finite(state.q) and all_finite(state.v)):
         return fail(state, m.NOT_FINITE, -1, math.nan)
     for j in range(model.joints.size):

@@ -75,8 +75,8 @@ class Rosenbrock(RungeKutta):
     """Settings of explicit Runge-Kutta with linearly implicit steps where they save time (`methods/rosenbrock.py`).
 
     Stiff vibrations of flexible bodies do not limit the size of linearly implicit steps. In impacts, and wherever
-    accuracy needs short steps anyway, steps remain explicit. Impacts amplify earlier errors: with flexible bodies, a
-    smaller velocity_scale tightens the tolerance of explicit steps while all bodies are slow. Drives are refused.
+    accuracy needs short steps anyway, steps remain explicit. Impacts amplify earlier errors. With flexible bodies,
+    explicit steps reduce velocity_scale by themselves while all speeds are below twice its value. Drives are refused.
     """
 
     rtol: float = 1e-4

@@ -93,7 +93,11 @@ def chord(cable, markers, q):
 
 @kernel
 def wheel_motion(cable, joints, markers, q, inner, outer):
-    """Return wheel ratio * inner - outer wheel angle [rad], and chord length [m], at joint angles `inner`, `outer`."""
+    """Return ratio * (inner wheel's angle) - (outer wheel's angle) [rad] and the distance [m] of a cable loop's joints.
+
+    Wheel angles are measured from the line between the joints. If `chord_sense` is 0, they are the joint angles
+    `inner`, `outer` [rad], and the distance is given as 0.
+    """
     length = 0.0
     if cable.chord_sense != 0:
         a, b = joints[cable.joint_a], joints[cable.joint_b]
@@ -141,8 +145,8 @@ def move_to_chord(cable, joints, markers, q, torque, pull, force):
     """Replace, in the generalized `force`, a cable loop's torques on its carrier by forces at the ends of its chord.
 
     The carrier is the body between the loop's joints, the chord is the line between these joints. `torque` acts on the
-    outer joint [N m]; `pull` [N] draws the wheels' centres together. The loop must have a chord (`chord_sense` not 0),
-    as it has if the carrier bends or if the loop pulls on the bearings.
+    outer joint [N m]; `pull` [N] draws the wheels' centres together. Call this only if `chord_sense` is not 0: the
+    carrier bends, or the loop pulls on the bearings.
     """
     inner, outer = end_torques(cable, joints, torque)
     add_torque(markers[joints[cable.joint_a].outboard], q, -inner, force)

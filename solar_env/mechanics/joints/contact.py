@@ -41,7 +41,8 @@ class ContactMotion(NamedTuple):
 def sliding_share(joint, depth):
     """Return the partial derivative of the sliding speed with respect to the centres' relative speed at `depth` [m].
 
-    `joint.sliding` defines the sliding speed. The derivative is 1; for PLACES, in contact, depth / (clearance + depth).
+    `joint.sliding` defines the sliding speed. If it is PLACES, the speed at which the contact point moves round, the
+    derivative in contact is depth / (clearance + depth). Otherwise it is 1.
     """
     if joint.sliding == PLACES:
         return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
@@ -80,8 +81,7 @@ def normal_force(joint, depth, rate, impact_speed):
     """Return the compressive normal force [N], its elastic part [N], and its slopes by depth [N/m] and rate [N s/m].
 
     The force is K depth^n (1 + d rate / v) (`PowerLaw`), not below zero, and zero where the depth is not positive.
-    `impact_speed` is v, the speed at which the contact began [m/s]. Arguments are numbers, or vectors with several
-    configurations.
+    `impact_speed` is v, the speed at which the contact began [m/s]. Depth and rate may be vectors.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     inside = where_less(0.0, depth, depth, 0.0)
@@ -127,7 +127,7 @@ def friction_share(joint, sliding_speed):
     """Return the signed ratio of friction to Coulomb friction at a sliding speed [m/s], and the ratio's slope [s/m].
 
     The ratio rises linearly from 0 to 1 between the joint's two friction speeds (Y. Li, C. Wang and W. Huang, Mech.
-    Syst. Signal Process. 117 (2019) 188, Eqs 41-42). Arguments are numbers, or vectors with several configurations.
+    Syst. Signal Process. 117 (2019) 188, Eqs 41-42). `sliding_speed` may be a vector of several speeds.
     """
     zero = joint.friction_speed_zero
     steepness = 1.0 / (joint.friction_speed_full - zero)

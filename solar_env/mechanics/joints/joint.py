@@ -71,10 +71,10 @@ def joint_motion(joint, markers, q, v):
 
 @kernel
 def joint_torques(model, joint_states, q, v, loads, force, power):
-    """Write every joint's angle, rate, spins and torques to `loads`, and the torques' powers to `power`.
+    """Write each joint's angle, rate, both bodies' spins and torques to `loads`, and the torques' powers to `power`.
 
-    `joint_forces` adds these torques to the generalized `force` (n,) afterwards. Here `force` gets, in advance,
-    a correction: `move_to_chord` replaces a cable loop's torques on the body between its two joints by forces at them.
+    `joint_forces` later adds the torques in `loads` to the generalized `force` (n,). Where a cable loop acts on the
+    body between its joints by forces, not torques, `move_to_chord` adds the difference to `force` here.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):

@@ -78,7 +78,7 @@ def cantilever(
     angle: float = 0.0,
     gravity: Point = (0.0, 0.0),
 ) -> Mechanism:
-    """Return a beam clamped at the origin, at an angle from the x axis, under dead loads at its tip."""
+    """Return a mechanism: a beam clamped at the origin, at `angle` [rad] to the x axis, with dead loads at its tip."""
     load = Load(BEAM, (beam.length, 0.0), tip_force, tip_torque)
     return Mechanism(
         (beam.body(elements, angle),), _pivot(), drives=(Drive(BEAM, angle, 0.0),), loads=(load,), gravity=gravity

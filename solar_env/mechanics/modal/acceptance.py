@@ -1,4 +1,4 @@
-"""Acceptance of a step: error divided by tolerance; modes and loads at the step's end; maxima of slope and of spin."""
+"""Acceptance of a step: error divided by the tolerance, motion at its end, maxima of panels' end slopes and spins."""
 
 import math
 
@@ -40,14 +40,15 @@ def at_start(course):
 
 @kernel
 def vibration_defect(panels, panel, free, held, d, h, kind, group):
-    """Return the error [m/s] of a panel's end due to those vibrations of a mode `group` that a step cannot resolve.
+    """Return the error [m/s] of a panel's end due to those vibrations of one mode `group` that a step cannot resolve.
 
-    `kind` selects the error: 0 for the end's velocity, 1 for its deflection times the modes' frequencies. Deflections
-    that loads and foreshortening hold at the start of the step `h` [s] do not vibrate: their errors are subtracted from
-    the free motion's, `panel.defect`. `held` (kinds, groups, VALUES) has minus the error of the deflection that a unit
-    load holds. For foreshortening, `free` (modes, 2 COLUMNS) has each mode's errors per unit start value and start
-    rate, in the lanes DEFECT_LANES. `panels` are the constants of all panel designs, and `d` is the panel's design;
-    `panel` also holds the panel's loads and the forces of foreshortening.
+    A mode group has the bending or axial modes that are even, or odd, about the panel's middle. `kind` is 0 for the
+    error of the end's velocity, 1 for its deflection's error times the modes' frequencies. The result is the error of
+    the free motion, `panel.defect`, minus the errors of deflections that loads and foreshortening hold at the start of
+    the step `h` [s], since these do not vibrate. `panel` also has the end loads and foreshortening's forces at the
+    stages. `held` (kinds, groups, 2) has minus the error of the deflection under a unit end force and a unit end
+    moment. `free` (modes, 2 COLUMNS) has, for each mode, eight numbers per unit start value, then eight per unit start
+    rate; both have the errors at the indices DEFECT_LANES. `d` is the panel's design, an index into `panels`.
     """
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
@@ -65,7 +66,7 @@ def vibration_defect(panels, panel, free, held, d, h, kind, group):
 
 @kernel
 def deviation(state, work, k):
-    """Return how far load `k` at the start of the step lies from the polynomial through its values at the stages."""
+    """Return how far joint or cable load `k` at the step's start lies from the polynomial through its stage values."""
     return abs(state.course[k, LAST] - at_start(work.loads[k].stage))
 
 
@@ -73,10 +74,10 @@ def deviation(state, work, k):
 def step_error(model, state, work, settings, tables, level, h):
     """Return the error of a solved step `h` [s] in units of the tolerances: the greatest error of any load or panel.
 
-    A load, of a joint or a cable loop, errs by the difference at the step's start between its value and the polynomial
-    through its values at the stages. If the previous step was over 100 times as long, the error of an ideal joint's
-    force is at most its change from the first to the last stage. A panel's error is the difference between the computed
-    and the exact vibration of its ends. `level` is the index of the step size in the panels' response `tables`.
+    The error of a load, a torque or force of a joint or cable loop, is the difference at the step's start between it
+    and the polynomial through its values at the three stages. If the previous step was over 100 times as long, the
+    error of an ideal joint's force is limited to the force's change from the first to the last stage. A panel's error
+    is the difference between computed and exact vibration of its ends. `level` is the step size's index in `tables`.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -124,12 +125,13 @@ def put_number(array, k, number):
 
 @kernel
 def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
-    """Advance the amplitude in `q` and the rate in `v` of a panel's mode `k`, or of four modes from `k` on, by a step.
+    """Advance a panel's mode `k`, or the four modes from `k` on, by a step; return (new rate * `frequency`)^2.
 
-    Pass `number_at`, `put_number` as `take`, `put` for one mode, `load4`, `store4` for four. `ends` (END_ROWS, modes)
-    has the amplitude at the step's end per unit start amplitude, start rate and load at each stage, then the rate per
-    unit of each. A mode's load is the sum of the panel's end loads `load` (2, stages) times its end values `shapes` (2,
-    modes). `q`, `v`, `frequency` have an entry per mode. Return (new rate * `frequency`)^2, for the damping power.
+    Pass `number_at`, `put_number` as `take`, `put` for one mode, `load4`, `store4` for four. `q`, `v`, `frequency` have
+    an entry per mode; amplitudes `q` and rates `v` are overwritten. `ends` (END_ROWS, modes) is the motion at the
+    step's end: rows 0 to 4 are the amplitude per unit start amplitude, start rate, and load at each of three stages;
+    rows 5 to 9 are the rate per unit of the same. `load` (2, stages) is the force and the moment on the panel's ends.
+    `shapes` (2, modes) is an end's deflection and slope in each mode, which weight force and moment in the mode's load.
     """
     value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
     moved = take(ends[0], k) * value + take(ends[1], k) * rate
@@ -148,8 +150,8 @@ def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
 def move_panel(panels, panel, ends, d, q, v):
     """Advance a panel's modal amplitudes `q` and rates `v` over the step; return its damping power [W] at the end.
 
-    `panels` has the constants of all panel designs, and `d` is the panel's design; `panel` holds its loads at the
-    stages. `ends` (END_ROWS, modes), for the step's size, has the modes' responses to start values and loads.
+    `panel` holds the loads at the stages; `d` is the panel's design, an index into `panels`. `ends` (END_ROWS, modes)
+    has amplitudes, then rates, at the step's end per unit start amplitude, start rate, and load at each stage.
     """
     total = 0.0
     for group in range(GROUPS):
@@ -176,7 +178,7 @@ def move_panel(panels, panel, ends, d, q, v):
 
 @kernel
 def note_extremes(model, state, work, v):
-    """Update `state.extremes`, maxima over panels and time: slope of an end [rad], spin divided by lowest frequency."""
+    """Update `state.extremes`: greatest slope of a panel's end [rad], and ratio of spin (`v`) to lowest frequency."""
     panels, extremes = model.panels, state.extremes
     even, odd = panels.first[BENDING_EVEN], panels.first[BENDING_ODD]
     for b in range(model.bodies.size):
@@ -192,7 +194,7 @@ def note_extremes(model, state, work, v):
 
 @kernel
 def commit_step(model, state, work, tables, level, h):
-    """Write end-of-step motion and damping power to `work`; `level`: the step size's index in the response `tables`."""
+    """Write motion and damping power at the step's end to `work`; `level` is the step size's index in `tables`."""
     for b in range(model.bodies.size):
         body, frame, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):

@@ -72,7 +72,7 @@ def note_arcs(work, joint, scratch, slid):
 def add_integrals(model, state, work, h):
     """Add all joints' works, losses and impulses in the step `h` [s], which `work` describes, to `work.integrals`.
 
-    A stop that lets go of its joint dissipates all its stored energy, whatever its torque does between the stages.
+    A stop's loss is summed over the stages; but if it lets go, the step's ends give the change of its stored energy.
     """
     integrals, weights = work.integrals, h * load4(_WEIGHTS, 0)
     for j in range(model.joints.size):
@@ -175,7 +175,7 @@ def stored_energies(model, state, q, v, work, energies):
 
 @kernel
 def cubic(share, x0, r0, x1, r1):
-    """Return the Hermite cubic at the fraction `share` of a step, from values x0, x1 and rates times step r0, r1."""
+    """Return a Hermite cubic at the fraction `share` of a step, from values x0, x1, rates * step r0, r1 at its ends."""
     rest = 1.0 - share
     return rest * rest * ((1.0 + 2.0 * share) * x0 + share * r0) + share * share * (
         (3.0 - 2.0 * share) * x1 - rest * r1
@@ -184,9 +184,9 @@ def cubic(share, x0, r0, x1, r1):
 
 @kernel(inlined=False)
 def fill_load_table(model, state, work, loads, table):
-    """Fill `table` (joints, LOAD_COLUMNS): joint motion in `work`, torques due to this motion, and forces in `loads`.
+    """Write motion, forces and torques of all joints to `table` (joints, LOAD_COLUMNS).
 
-    `loads` has the torques of joints, torques and pulls of cable loops, and then two force components for each joint.
+    The motion is in `work`, and torques follow from it. Forces are the last entries of `loads`, two for each joint.
     """
     for j in range(model.joints.size):
         joint, joint_state, motion, row = model.joints[j], state.joints[j], work.joints[j].motion, table[j]
@@ -221,10 +221,10 @@ def course_at(stage, share):
 
 @kernel
 def sample_modal(model, state, settings, work, recorder, h, share):
-    """Store motion, loads, energies and integrals at a fraction `share` of a step in a row of `recorder.samples`.
+    """Store motion, loads, energies and time integrals at a fraction `share` of a step in a row of `recorder.samples`.
 
-    The step `h` [s] runs from `state` to the motion in `work`. Bodies' velocities are slopes of interpolating
-    cubics; velocities of modes (not always resolved) and integrals are interpolated linearly.
+    The step `h` [s] runs from `state` to the motion in `work`. Coordinates are cubics, whose slopes are the velocities
+    of bodies. Modal velocities, and works, losses and impulses, are interpolated linearly.
     """
     n, rest = state.q.size, 1.0 - share
     row = recorder.samples[recorder.filled[0]]

@@ -53,18 +53,18 @@ _Design = tuple[float, float, float, float, float, int]
 
 
 def design(panel: ModalPanel) -> _Design:
-    """Return a panel's design: (length, mass, axial stiffness, bending stiffness, damping, number of modes)."""
+    """Return a panel's design: (length [m], mass [kg], E A [N], E I [N m2], retardation time [s], number of modes)."""
     stiffness = (panel.axial_stiffness, panel.bending_stiffness)
     return (panel.length, panel.mass, *stiffness, panel.damping, panel.modes)
 
 
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
-    """Rearrange the matrices K (`project`) and S (`ends`) of `quadratic_forms` by parity, as (2, LOW, LOW, FORMS).
+    """Rearrange the matrices K (`project`) and S (`ends`) of `quadratic_forms` as an array (2, LOW, LOW, FORMS).
 
-    Axes: parity of the first bending coordinate about the panel's middle (even, odd), its index in this group, the
-    second coordinate's index in its own group, form. Odd forms are K of odd axial modes and half the difference of both
-    ends' S; they couple coordinates of equal parity. Even forms are K of the even axial mode and half the sum of S;
-    they couple opposite parities. The first `coupled` coordinates of K and S are amplitudes of bending modes.
+    Bending coordinates are in two groups: even or odd about the panel's middle. The first `coupled` of them are mode
+    amplitudes. Axes of the result: first coordinate's group, its index in the group, second coordinate's index in its
+    own group, form. Forms 0 to 2 are K of both odd axial modes and half the difference of the ends' S; the coordinates
+    are in one group. Forms 3 and 4 are K of the even axial mode and half the sum of S, with coordinates in both groups.
     """
     forms = np.zeros((2, LOW, LOW, FORMS))
     # The lowest bending modes are even and odd by turns; then come the end values of the other modes.
@@ -116,10 +116,11 @@ def _panel_constants(chosen: _Design) -> Panels:
 
 @lru_cache(maxsize=16)
 def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, Tables]:
-    """Return constants and response tables of panel designs, which all simulations share and only read.
+    """Return constants and response tables of panel `designs`, which all simulations share and only read.
 
-    The tables hold the motion of modes and ends under loads, for many step sizes h. A mode of angular frequency omega
-    responds exactly up to omega h = 2, a damped one up to omega h = `exact`, and others by the Radau method.
+    The tables hold the motion of modes and ends under loads, for many step sizes h. They are exact for modes of angular
+    frequency omega with omega h < 2, and with omega h < `exact` if the damping ratio exceeds 0.02. The motion of other
+    modes, and of any with a damping rate of 1 / h or more, is computed by the Radau method.
     """
     parts = [_panel_constants(chosen) for chosen in designs]
     joined = {
@@ -260,7 +261,7 @@ def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.v
 def _folded_angle(mechanism: Mechanism, k: int) -> float:
     """Return the difference [rad] between the angles of joint `k`'s outboard and inboard bodies at joint angle 0.
 
-    Full turns are added so that the initial joint angle lies within pi of `middle`, the middle of the angle's range.
+    Full turns are added so that the initial joint angle lies within pi of `Joint.middle`, the middle of its range.
     """
     joint = mechanism.joints[k]
     angles = {GROUND: 0.0, **{body.name: body.angle for body in mechanism.bodies}}

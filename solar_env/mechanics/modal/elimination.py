@@ -1,7 +1,7 @@
-"""Gaussian elimination of Newton's matrix in 3 x 3 blocks: each couples two unknown loads at the three stages.
+"""Gaussian elimination of Newton's matrix in 3 x 3 blocks: each couples two unknown loads at a step's three stages.
 
-The rows of a block are lanes of a vector. Column STAGES * c + k belongs to load c at stage k. No pivots are needed: the
-symmetric part of the matrix is positive definite.
+Entry [3 c + k, r, s] of R loads' matrix (3 R, R, 4) is load c's coefficient at stage k in load r's equation at stage s;
+a fourth s pads a SIMD vector. No pivots are needed: the matrix's symmetric part is positive definite.
 """
 
 from solar_env.mechanics.modal.tables import STAGES
@@ -13,7 +13,7 @@ _SINGULAR = 1e-30  # least determinant of a diagonal block; rows are scaled to d
 
 @kernel
 def invert(matrix, q, inverse):
-    """Write the inverse of unknown `q`'s 3 x 3 diagonal block to `inverse`, by column; return False if singular."""
+    """Write the inverse of load `q`'s diagonal block (3 stages) to `inverse[column, row]`; return False if singular."""
     first, second, third = matrix[STAGES * q, q], matrix[STAGES * q + 1, q], matrix[STAGES * q + 2, q]
     a1, a2, a3, b1, b2, b3 = first[0], first[1], first[2], second[0], second[1], second[2]
     c1, c2, c3 = third[0], third[1], third[2]
@@ -38,8 +38,8 @@ def eliminate(matrix, inverses, first, end):
     """Factor the equations of unknowns `first` to `end` - 1 in place; return False if a diagonal block is singular.
 
     Args:
-        matrix: (STAGES R, R, LANES) of R unknown loads; [3 c + k, r, s] is the factor of load c at stage k in the
-            equation of load r at stage s. A fourth number on the last axis only fills a vector.
+        matrix: (STAGES R, R, LANES) of R unknown loads; [3 c + k, r, s] is the coefficient of load c at stage k in the
+            equation of load r at stage s. LANES is 4: the stages s are 0 to 2, a fourth number fills a SIMD vector.
         inverses: (R, STAGES, LANES) inverses of the 3 x 3 diagonal blocks, by column; written.
         first, end: first unknown, and the unknown after the last.
     """
@@ -67,7 +67,10 @@ def eliminate(matrix, inverses, first, end):
 
 @kernel
 def substitute(matrix, inverses, first, end, residual, correction):
-    """Solve the factored equations `first` to `end` - 1 for `correction`; the right side `residual` is overwritten."""
+    """Solve the factored equations `first` to `end` - 1 for `correction`; the right side `residual` is overwritten.
+
+    `eliminate` writes `matrix` and the diagonal blocks' `inverses`; `residual` and `correction` are (unknowns, LANES).
+    """
     for q in range(first, end):
         for i in range(q + 1, end):
             subtract_product(matrix, q, i, residual[q], residual[i])
@@ -82,7 +85,7 @@ def substitute(matrix, inverses, first, end, residual, correction):
 
 @kernel
 def subtract_product(matrix, q, i, values, target):
-    """Subtract from `target` the 3 x 3 block in row `i` and column `q` of `matrix`, times `values` at the stages."""
+    """Subtract from `target`, load `i`'s 3 stages, block (`i`, `q`) of `matrix` times `values`, load `q`'s 3 stages."""
     total = load4(target, 0)
     for k in range(STAGES):
         total = total - load4(matrix[STAGES * q + k, i], 0) * values[k]

@@ -40,10 +40,11 @@ from solar_env.mechanics.numerics.vectors import (
 
 @kernel
 def free_ends(panels, panel, tables, d, level, q, v):
-    """Compute a panel's motion at the stages without loads, from amplitudes `q` and rates `v` at the step's start.
+    """Compute a panel's motion without loads at a step's stages, from amplitudes `q` and rates `v` at the step's start.
 
-    Write the ends' motion to `panel.free`, its errors to `panel.defect`, the lowest modes' motion to `panel.low_free`.
-    `d` is the index of the panel's design in `panels`, `level` the index of the step size in `tables`.
+    Write the ends' motion to `panel.free`, and the lowest modes' motion to `panel.low_free`. Write to `panel.defect`
+    the error of an end's motion at the step's end, exact minus computed, due to vibrations that the step does not
+    resolve. `d` is the index of the panel's design in `panels`, `level` the index of the step size in `tables`.
     """
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
@@ -81,9 +82,10 @@ def forced_ends(panel, response, groups):
 
 @kernel
 def add_modal_forces(panels, panel, forced, d):
-    """Add to `panel.ends` the motion that foreshortening's forces on the lowest modes, `panel.coupling`, cause.
+    """Add to `panel.ends` the motion caused by the forces that foreshortening exerts on the panel's lowest modes.
 
-    `forced` (GROUPS, LOW, BY_LOAD) is the modes' motion per unit force, `d` the panel's design, an index into `panels`.
+    These forces are `panel.coupling`. `forced` (GROUPS, LOW, BY_LOAD) has, for each of these modes, the motion at the
+    stages per unit force at each stage. `d` is the panel's design, an index into `panels`.
     """
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
@@ -96,7 +98,11 @@ def add_modal_forces(panels, panel, forced, d):
 
 @kernel
 def foreshorten(forms, panel):
-    """Compute the quadratic `forms` of bending `panel.low`: `panel.shortening`, with rates, and `panel.gradient`."""
+    """Compute a panel's shortening by bending at the stages, and its gradient in the bending coordinates `panel.low`.
+
+    The shortening has five parts, which are quadratic forms of these coordinates with the matrices `forms` (2, LOW,
+    LOW, FORMS). Write the parts and their rates to `panel.shortening`, and their gradients to `panel.gradient`.
+    """
     value0 = value1 = value2 = value3 = value4 = splat4(0.0)
     rate0 = rate1 = rate2 = rate3 = rate4 = splat4(0.0)
     for group in range(2):
@@ -140,13 +146,13 @@ def shorten_ends(panel):
 
 @kernel
 def in_all_lanes(value, rate):
-    """Return one motion for all stages as a vector: `value` in the four lanes of stages, then `rate` in four."""
+    """Return a vector of eight numbers for a motion equal at all stages: `value` four times, `rate` four times."""
     return joined(splat4(value), splat4(rate))
 
 
 @kernel
 def sum_ends(panels, panel, d, q, v):
-    """Sum all modes' end motion at amplitudes `q`, rates `v` in `panel.ends`; `d` indexes the design in `panels`."""
+    """Write the end motion at mode amplitudes `q`, rates `v` to `panel.ends`; `d` is the panel's design in `panels`."""
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         values, rates = q[begin:end], v[begin:end]
@@ -160,9 +166,10 @@ def sum_ends(panels, panel, d, q, v):
 
 @kernel
 def take_rest(panels, panel, d, group, r, moved):
-    """Subtract mode `r`'s part from the end motion of mode `group` in `panel.low`, which leaves the other modes' part.
+    """Subtract bending mode `r`'s part from the end motion in `panel.low[group]`, which leaves the other modes' part.
 
-    `moved` holds the mode's amplitudes and rates at the stages; `d` is the panel's design, an index into `panels`.
+    In `panel.low[group]`, of even or odd modes, this deflection and slope follow the mode amplitudes. `moved` has the
+    amplitudes and rates of mode `r` at a step's stages. `d` is the panel's design, an index into `panels`.
     """
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]
@@ -171,7 +178,10 @@ def take_rest(panels, panel, d, group, r, moved):
 
 @kernel
 def shorten_pose(panels, panel, d, q, v):
-    """Add shortening by bending at amplitudes `q`, rates `v` to `panel.ends`; `d` indexes the design in `panels`."""
+    """Add shortening by bending to the ends' displacements and velocities in `panel.ends`, in one configuration.
+
+    Modal amplitudes are `q`, rates `v`. Call `sum_ends` before. `d` is the index of the panel's design in `panels`.
+    """
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):
@@ -187,11 +197,12 @@ def shorten_pose(panels, panel, d, q, v):
 
 @kernel
 def move_low(panels, panel, forced, d, group):
-    """Compute in `panel.low` the coordinates on which foreshortening acts in a `group` of modes, at a step's stages.
+    """Compute in `panel.low` the coordinates of a mode `group` that foreshortening couples, at the stages of a step.
 
     They are the amplitudes of the group's lowest modes and, in bending, the end motion due to its other modes. They
-    follow from the free motion, the loads on the ends and the modal forces in `panel.coupling`. `forced` (GROUPS, LOW,
-    BY_LOAD) has the lowest modes' motion per unit modal force; `d` is the panel's design, an index into `panels`.
+    follow from the free motion, the loads on the ends and foreshortening's modal forces, `panel.coupling`. `forced`
+    (GROUPS, LOW, BY_LOAD) has, for each lowest mode, the motion at the stages per unit modal force at each stage; end
+    loads act as such forces, too. `d` is the panel's design, an index into `panels`.
     """
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
@@ -215,13 +226,16 @@ def move_low(panels, panel, forced, d, group):
 
 @kernel
 def axial_form(group, r):
-    """Return the index in `Panels.forms` of the form for foreshortening in axial mode `r` of an even or odd `group`."""
+    """Return the index in `Panels.forms` of the quadratic form of bending that gives an axial mode's shortening.
+
+    The mode has the number `r` in its `group`: AXIAL_EVEN or AXIAL_ODD, modes even or odd about the panel's middle.
+    """
     return ODD_FIRST + r if group == AXIAL_ODD else EVEN_FIRST
 
 
 @kernel
 def push_axial(panels, panel, d):
-    """Write the forces of foreshortening on axial modes to `panel.coupling`; `d` indexes the design in `panels`."""
+    """Write foreshortening's forces on axial modes to `panel.coupling`; `d` is the panel design's index in `panels`."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency = panels.frequency[d, panels.first[group] + r]
@@ -232,7 +246,11 @@ def push_axial(panels, panel, d):
 
 @kernel
 def push_bending(panels, panel, d):
-    """Write to `panel.coupling` the axial tension's forces on bending; `d` indexes the panel's design in `panels`."""
+    """Write to `panel.coupling` the forces that tension in a panel exerts on its bending coordinates, at the stages.
+
+    Forces on the end deflection and slope due to higher bending modes are added to the end loads `panel.load`. Also
+    write `panel.tension` and `panel.strain_rate`. `d` is the panel's design, an index into the constants `panels`.
+    """
     for f in range(FORMS):
         store4(panel.tension[f], 0, splat4(0.0))
     store4(panel.tension[EVEN_ENDS], 0, load4(panel.load[AXIAL_EVEN, 0], 0))
@@ -264,7 +282,10 @@ def push_bending(panels, panel, d):
 
 @kernel
 def bend(panels, panel, forced, d):
-    """Compute `panel.shortening` from `panel.ends`. `forced` is motion per modal force, `d` the index of the design."""
+    """Compute a panel's shortening by bending, `panel.shortening`, from the motion of its ends and its lowest modes.
+
+    `forced` has the lowest modes' motion per unit force on them; `d` is the index of the panel's design in `panels`.
+    """
     for group in range(AXIAL_EVEN):
         move_low(panels, panel, forced, d, group)
     foreshorten(panels.forms[d], panel)
@@ -272,10 +293,11 @@ def bend(panels, panel, forced, d):
 
 @kernel
 def couple(panels, panel, forced, d):
-    """Compute foreshortening's forces in `panel.coupling`: on the axial modes, then the tension's forces on bending.
+    """Compute in `panel.coupling` foreshortening's forces on the axial modes, and then the tension's forces on bending.
 
-    Call `bend` before, with the same `forced` (modes' motion per unit force) and `d` (panel design, index into
-    `panels`). Forces on the end motion of higher bending modes are also added to the end loads `panel.load`.
+    The tension follows from the forces on axial modes. Call `bend` before, with the same `forced` (modes' motion per
+    unit force) and `d` (panel design, index into `panels`). If bending forces act on the end deflections and slopes due
+    to higher bending modes, they are also added to the end loads `panel.load`.
     """
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):

@@ -1,4 +1,4 @@
-"""Equations of the loads at the stages: torques, contact forces and reactions, each with a row of Newton's matrix.
+"""Equations of joint and cable loads at a step's three stages: torques, contact forces, reactions; Newton's matrix.
 
 A branch of a load's law is a range of motion with one smooth formula, such as contact or no contact.
 """
@@ -34,7 +34,10 @@ _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 @kernel
 def enter_piece(load, piece):
-    """Set `load.piece` to its law's branches `piece` (smooth parts), by stage; return 1 where one changed, else 0."""
+    """Write `piece`, the branch of a load's law at each stage of a step, to `load.piece`.
+
+    A branch is a number for a smooth part, such as contact or gap. Return 1 at stages with a new one, else 0.
+    """
     before = load4(load.piece, 0)
     store4(load.piece, 0, piece)
     return where_less(piece, before, 1.0, where_less(before, piece, 1.0, 0.0))
@@ -42,10 +45,11 @@ def enter_piece(load, piece):
 
 @kernel
 def torque_laws(model, state, work):
-    """Write to `work.loads` the torques of joints and cable loops at the stages, and their slopes by motion and rate.
+    """Write to `work.loads` torques of joints, torques and pulls of cable loops at the stages, and their derivatives.
 
-    Return how many laws, at each stage, are on another branch (smooth part) than at the previous call. Cable loops that
-    slacken do not count, since Newton's method converges all the same.
+    Derivatives are by the motion on which the load works (`by_value`), such as the joint angle, and by this motion's
+    rate (`by_rate`). Return, for each stage, how many laws are on another branch (smooth part) than at the previous
+    call. Cable loops that slacken do not count, since Newton's method converges all the same.
     """
     changed = splat4(0.0)
     for j in range(model.joints.size):
@@ -74,10 +78,10 @@ def torque_laws(model, state, work):
 
 @kernel
 def enter_row(work, r, load, diagonal):
-    """Write row `r` of Newton's matrix to `work.matrix`: derivatives of (unknown load `r` minus the value of its law).
+    """Write row `r` of Newton's matrix to `work.matrix`: derivatives of (unknown load `r`) - (value of its law).
 
-    They are with respect to the unknowns of its block, which are solved together. `load` is the unknown's record, with
-    its law's slopes. `diagonal` is 1, or 0 for a reaction, whose equation is a constraint.
+    Derivatives are taken with respect to the unknown loads that are solved together with load `r`. `load` is load `r`'s
+    record, which has its law's slopes. `diagonal` is 1, or 0 for a reaction, whose equation is a constraint.
     """
     tangential = work.unknowns[r].kind == TANGENTIAL_ROW
     for c in range(work.unknowns[r].first, work.unknowns[r].end):
@@ -93,8 +97,9 @@ def enter_row(work, r, load, diagonal):
 def contact_law(joint, joint_state, scratch, normal, tangential):
     """Write a contact's normal force and friction at the stages to the load records `normal` and `tangential`.
 
-    Slopes by depth, rates and normal force are written, too. `scratch` has the joint's motion, and sliding speeds of
-    earlier calls. Return 1 at stages where the law is on another branch (smooth part) than at the last call, else 0.
+    Also write derivatives there: of the normal force by depth and its rate, of friction by sliding velocity and normal
+    force. `scratch` has the joint's motion, and sliding speeds of earlier calls. Return 1 at stages where the law is on
+    another branch (smooth part) than at the last call, else 0.
     """
     motion, tried, speed_zero = scratch.motion, scratch.tried, joint_state.impact_speed
     depth, rate, speed = load4(motion[DEPTH], 0), load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
@@ -128,7 +133,10 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
 
 @kernel
 def contact_laws(model, state, work, n):
-    """Write contact laws among `n` unknowns to `work.loads`; return by stage how many changed branch (smooth part)."""
+    """Write to `work.loads` the forces of all contacts whose forces are among a step's `n` unknowns, and derivatives.
+
+    Return a vector: for each stage, the number of contacts in another case (gap, sliding, ...) than at the last call.
+    """
     changed = splat4(0.0)
     for r in range(n):
         if work.unknowns[r].kind == NORMAL_ROW:
@@ -140,7 +148,11 @@ def contact_laws(model, state, work, n):
 
 @kernel
 def reaction_law(state, work, r, h):
-    """Write to `work` an ideal joint's residual `r` (scaled relative velocity) and slopes by position and velocity."""
+    """Write the equation of unknown `r`, a component of an ideal joint's reaction: its residual and derivatives.
+
+    The residual `work.residual[r]` is -(relative velocity + small velocity that closes the joint's gap) / (velocity
+    that a unit reaction causes in the step `h` [s]). Derivatives by position and velocity go to the load's record.
+    """
     j, kind, response, gain = work.unknowns[r].owner, work.unknowns[r].kind, work.mobility[r, r].response, 0.0
     for k in range(STAGES):
         gain += abs(response[COLUMNS * k + END_RATE])

@@ -1,4 +1,4 @@
-"""Formulation of the motion of rigid bodies and modal panels in floating frames, driven by the joint loads."""
+"""Formulation of the motion of rigid bodies and panels with elastic modes in floating frames, driven by joint loads."""
 
 import itertools
 import math
@@ -45,21 +45,21 @@ class FloatingFrames(Formulation):
     view_joint = staticmethod(view_joint)
 
     def compile(self, mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
-        """Compile a mechanism into its model and initial state, see `Formulation.compile`."""
+        """Compile a mechanism of rigid bodies and modal panels into its constant model and its initial state."""
         return compile_modal(mechanism)
 
     def begin(self, model: ModalModel, state: ModalState) -> None:
-        """Set the joint loads in `state` to the initial torques, and fill the views that controllers observe."""
+        """Compute motion, loads and controllers' views of joints at the start of a run, and store them in `state`."""
         start_loads(model, state, make_workspace(model, state))
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return the greatest position gap [m] and relative velocity [m/s] in ideal joints, which should be zero."""
+        """Return the greatest components of position gap [m] and relative velocity [m/s] in ideal joints, ideally 0."""
         motion = np.abs(present_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, :, LAST])
         gaps, rates = motion[:, [ECCENTRICITY_X, ECCENTRICITY_Y]], motion[:, [VELOCITY_X, VELOCITY_Y]]
         return float(gaps.max(initial=0.0)), float(rates.max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
-        """Return the table (joints, LOAD_COLUMNS) of motion, forces and torques at the end of the last step."""
+        """Return the table (joints, LOAD_COLUMNS) of joint motion, forces and torques at the end of the last step."""
         work = present_motion(model, state)
         fill_load_table(model, state, work, state.course[:, LAST], work.sample)
         return work.sample
@@ -76,7 +76,7 @@ class FloatingFrames(Formulation):
         return float(np.hypot(*model.gravity) * model.bodies["mass"][moving].max(initial=0.0))
 
     def momenta(self, model: ModalModel, state: ModalState) -> Array:
-        """Return linear and angular momenta (3,) of the frames [N s, N m s]; elastic modes have no momentum."""
+        """Return the moving bodies' summed momenta (3,): linear x and y [N s], and angular about the origin [N m s]."""
         bodies = model.bodies[model.bodies["inverse_mass"] > 0.0]
         first, mass = bodies["offset"], bodies["mass"]
         x, y = state.q[first], state.q[first + 1]
@@ -85,7 +85,10 @@ class FloatingFrames(Formulation):
         return np.array([(mass * u).sum(), (mass * v).sum(), angular.sum()])
 
     def centreline(self, model: ModalModel, q: Array, body: int, points_per_element: int) -> Array:
-        """Return points (..., k, 2) [m] along a body's axis: k is 2 if rigid, 8 * points_per_element + 1 on a panel."""
+        """Return points (..., k, 2) [m] along the axis of body number `body`, at coordinates `q` (..., n).
+
+        A rigid body has k = 2 ends; a panel has 8 equal parts of `points_per_element` intervals, k - 1 in all.
+        """
         row = model.bodies[body]
         first = int(row["offset"])
         if row["panel"] == RIGID_BODY:
@@ -102,28 +105,32 @@ class FloatingFrames(Formulation):
         return float(slope), float(spin_ratio)
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return the reactions' error, 0 N as steps solve for them, and the greatest component of a joint force [N]."""
+        """Return the reactions' error, 0 N because steps solve for them, and a joint force's greatest component [N]."""
         return 0.0, float(np.abs(state.course[-2 * len(model.joints) :, LAST]).max(initial=0.0))
 
 
 def present_motion(model: ModalModel, state: ModalState) -> Workspace:
-    """Return a new workspace filled with the motion at the state's coordinates and velocities."""
+    """Return a new workspace that holds the motion of bodies and joints at the state's coordinates and velocities."""
     work = make_workspace(model, state)
     look_at(model, state.q, state.v, work)
     return work
 
 
 def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int) -> NDArray[np.complex128]:
-    """Return the points of a panel's axis in the panel's frame, as complex numbers x + i y.
+    """Return equally spaced points (..., points) [m] of a panel's axis in the panel's frame, as complex x + i y.
 
-    The bending modes that are kept have their true shapes. The pseudo-modes, which represent the higher modes at the
-    ends, and stretching are exact at the ends and interpolated by polynomials between them.
+    `row` is the panel's record in `model.bodies`, and `amplitudes` (..., modes) are its modal amplitudes. The lowest
+    bending modes have their true shapes. Pseudo-modes represent all higher modes at the ends; between the ends, their
+    deflection is interpolated by a cubic, and axial displacement linearly.
     """
     panels, d, s = model.panels, row["design"], np.linspace(0.0, 1.0, points)
     parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]
 
     def beyond(group: int, lowest: int) -> Array:
-        """Return the first end's (deflection, slope) or (displacement, 0) due to a group's modes after `lowest`."""
+        """Return the first end's motion (..., 2) due to all modes of a group except the first `lowest` ones.
+
+        It is (deflection, slope) for BENDING_EVEN and BENDING_ODD, (displacement, 0) for AXIAL_EVEN and AXIAL_ODD.
+        """
         return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.shapes[d, :, parts[group]].T[lowest:])
 
     low = [

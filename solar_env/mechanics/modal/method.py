@@ -63,7 +63,7 @@ def convert_settings(chosen: Any) -> ModalSettings:
 
 @kernel
 def set_load(state, k, load):
-    """Set load `k` in `state.course` to one constant value, at the present time and at the last step's stages."""
+    """Fill row `k` of `state.course`, the values of a load at the last step's stages, with the constant `load`."""
     store4(state.course[k], 0, splat4(load))
 
 
@@ -81,7 +81,7 @@ def start_loads(model, state, work):
 
 @kernel
 def take_motion(model, state, work):
-    """Copy the joints' motion at the accepted state to `work.motion` for the run loop, and to `state.views`."""
+    """Copy joints' depths, angles, rates to `work.motion`, and angles and rates for controllers to `state.views`."""
     for j in range(model.joints.size):
         motion, place, view = work.motion[j], state.motion[j], state.views[j]
         motion.depth, motion.depth_rate = place[DEPTH], place[DEPTH_RATE]
@@ -93,7 +93,7 @@ def take_motion(model, state, work):
 
 @kernel
 def begin_modal(model, state, settings, work):
-    """Copy motion and loads of `state` to `work` before time stepping; set a first step size in `state` if unset."""
+    """Copy motion and loads of `state` to `work` before time stepping, set a first step size if unset; return True."""
     clock = state.clock[0]
     start_at_state(state, work)
     for k in range(work.loads.size):
@@ -107,7 +107,7 @@ def begin_modal(model, state, settings, work):
 
 @kernel
 def start_at_state(state, work):
-    """Copy coordinates, velocities and integrals of the accepted state to the workspace."""
+    """Copy coordinates, velocities, and time integrals of powers and forces, from `state` to `work`."""
     copy_into(work.q, state.q)
     copy_into(work.v, state.v)
     copy_into(work.integrals, state.integrals)
@@ -168,14 +168,14 @@ def angle_of_modal(model, state, work, j, h, share):
 
 @kernel
 def along(state, work, j, value, rate, h, share):
-    """Interpolate joint `j`'s motion column `value` at fraction `share` from `state` to `work`; `rate` is its slope."""
+    """Return joint `j`'s motion in column number `value` at fraction `share` of a step; column `rate` has its rate."""
     start, end = state.motion[j], work.joints[j].motion
     return cubic(share, start[value], h * start[rate], end[value, LAST], h * end[rate, LAST])
 
 
 @kernel
 def complete_modal(model, state, settings, work, h):
-    """Compute in `work` coordinates, velocities, and time integrals of powers and forces at the solved step's end."""
+    """Write the solved step's end to `work` (coordinates, velocities, works, impulses) and `state` (joint motion)."""
     start_at_state(state, work)
     tables, level = tables_of(model, work)
     commit_step(model, state, work, tables, level, h)
@@ -186,7 +186,7 @@ def complete_modal(model, state, settings, work, h):
 
 @kernel
 def commit_modal(model, state, settings, work, h, share):
-    """Copy the end of the solved step `h` [s] from `work` to `state`; return True. `share`, the part accepted, is 1."""
+    """Move `state` to the end of the solved step `h` [s]; return True. Its accepted fraction, `share`, is always 1."""
     copy_into(state.q, work.q)
     copy_into(state.v, work.v)
     copy_into(state.integrals, work.integrals)
@@ -199,7 +199,7 @@ def commit_modal(model, state, settings, work, h, share):
 
 @kernel
 def evaluate_modal(model, state, work, changed):
-    """Write the joints' normal forces, or ideal joints' reactions, to `work.motion`; ignore `changed`; return True."""
+    """Write normal contact forces and ideal joints' reactions [N] to `work.motion`; ignore `changed`; return True."""
     for j in range(model.joints.size):
         first, second = state.course[force_of(model, j), LAST], state.course[force_of(model, j) + 1, LAST]
         ideal = model.joints[j].kind == IDEAL
@@ -239,7 +239,7 @@ def instantaneous_inverse_mass(model, state, j):
 
 @kernel
 def open_contact(model, state, work, j):
-    """Begin joint `j`'s contact: write forces to `state.course`, return its inverse effective mass [1/kg] at impact."""
+    """Set a new contact's forces in `state.course`, the last step's loads; return its inverse effective mass [1/kg]."""
     joint, motion = model.joints[j], state.motion[j]
     # The loads matter where a run starts with a journal that is pressed into its bearing.
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
@@ -252,7 +252,7 @@ def open_contact(model, state, work, j):
 
 @kernel
 def resume_modal(model, state, work):
-    """Set forces of clearance joints out of contact to zero in `state.course`, from which the next step starts."""
+    """Set the forces of clearance joints out of contact to zero in `state.course`, which the next step extrapolates."""
     for j in range(model.joints.size):
         if model.joints[j].kind == CLEARANCE and not state.joints[j].in_contact:
             for k in range(force_of(model, j), force_of(model, j) + 2):

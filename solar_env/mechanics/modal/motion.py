@@ -1,9 +1,9 @@
-"""Motion from loads: loads of joints and cable loops on bodies, bodies' frames at the stages, motion of the joints.
+"""Motion of bodies, joints and cable loops at the stages of a step, computed from the loads on the bodies.
 
 Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. A cable loop runs
-over wheels at two joints. The wheels' angles are measured from its chord, the line between these joints
-(`joints/cable_loop.py`). The load of a loop is its torque on the outer wheel. If the loop conserves energy, its power
-is minus this torque times the rate of the mismatch of the wheels' angles.
+over the inner wheel at a body's inboard joint and the outer wheel at its outboard joint. The wheels' angles are
+measured from its chord, the line between these joints (`joints/cable_loop.py`). The load of a loop is its torque on the
+outer wheel. If the loop conserves energy, its power is minus this torque times the rate of the wheel angles' mismatch.
 """
 
 import math
@@ -67,7 +67,7 @@ def add(target, vector):
 
 @kernel
 def add_load(model, work, number, fx, fy, torque):
-    """Add force (fx, fy) [N] and torque [N m], by stage, at attachment `number` to body and panel loads in `work`."""
+    """Add force (fx, fy) [N], torque [N m], vectors over stages, on attachment `number` to a body's loads in `work`."""
     attachment = model.attachments[number]
     body, arm = work.bodies[attachment.body], work.attachments[number].arm
     add(body.load[0], fx)
@@ -90,11 +90,11 @@ def add_load(model, work, number, fx, fy, torque):
 def outboard_load(joint, nx, ny, lever, first, second, torque):
     """Return a joint's force (x, y) [N] and torque [N m] on its outboard body, and its torque on the inboard body.
 
-    The outboard body has the journal, the inboard body the bearing; torques are about these parts' centres. `torque`
-    acts on the joint angle. In ideal joints, `first` and `second` are the reaction's x and y components. With
-    clearance, they act on the journal along -(nx, ny) and (-ny, nx); (nx, ny) is the unit vector from the bearing's to
-    the journal's centre, and `lever` [m] the contact's distance from the bearing's centre. Numbers may be vectors by
-    stage.
+    The outboard body has the journal, the inboard body the bearing; returned torques are about these parts' centres. A
+    positive argument `torque` raises the joint angle. `first` and `second` are components of the force on the journal:
+    x and y in an ideal joint; with clearance, along -(nx, ny) and (-ny, nx). (nx, ny) is the unit vector from the
+    bearing's to the journal's centre, and `lever` [m] the contact's distance from the bearing's centre. Arguments after
+    `joint` are numbers, or vectors with a number for each stage of a step.
     """
     torque = joint.sign * torque
     if joint.kind == IDEAL:
@@ -109,7 +109,7 @@ def outboard_load(joint, nx, ny, lever, first, second, torque):
 
 @kernel
 def force_of(model, j):
-    """Return the index, among the loads, of the first component of joint `j`'s force; the second component follows."""
+    """Return the index in `work.loads` of the first component of joint `j`'s force; the second component follows."""
     return model.joints.size + CABLE_LOADS * model.cables.size + 2 * j
 
 
@@ -117,7 +117,7 @@ def force_of(model, j):
 def cable_attachment(model, cable, face):
     """Return the index in `model.attachments` of the point on which part `face` of a cable loop acts.
 
-    Parts 0 and 1 are the outer and inner wheel; 2 and 3 are the inner and outer end of the line between its joints.
+    Parts 0 and 1 are the outer and inner wheel, 2 and 3 the inner and outer end of the chord between their joints.
     """
     if face == 0:
         return model.joints[cable.joint_b].outboard
@@ -128,12 +128,13 @@ def cable_attachment(model, cable, face):
 
 @kernel
 def face_load(model, cable, across_x, across_y, length, face, torque, pull, ratio):
-    """Return the force (x, y) [N] and torque [N m] of a cable loop on its attachment number `face`, from 0 to 3.
+    """Return the force (x, y) [N] and torque [N m] that a cable loop exerts on one of its four attachments.
 
-    Attachments 0 and 1 are the outer and the inner wheel, 2 and 3 the inner and the outer end of the chord, the line
-    between the joints. `torque` [N m] acts on the outer joint's angle, and -`ratio` * `torque` acts on the inner
-    joint's angle. `pull` [N] draws the ends of the chord together. The chord has a `length` [m]; (`across_x`,
-    `across_y`) [1/m] is the unit vector across the chord, divided by the length. Numbers may also be vectors by stage.
+    `face` is 0 for the outer wheel, 1 for the inner wheel, 2 for the inner and 3 for the outer end of the chord, the
+    line between the loop's joints. `cable` is the loop's record in `model.cables`. `torque` [N m] acts on the outer
+    joint's angle, and -`ratio` * `torque` acts on the inner joint's angle. `pull` [N] draws the ends of the chord
+    together. The chord has a `length` [m]; (`across_x`, `across_y`) [1/m] is the unit vector across the chord, divided
+    by the length. Torque, pull, length and vector components may be vectors with a number for each stage of a step.
     """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
     nothing, moment = 0.0 * torque, inner - outer
@@ -151,7 +152,10 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
 
 @kernel
 def distribute_loads(model, state, work):
-    """Sum joint and cable loads at the stages in `work.bodies`, `work.panels`, in the last iteration's directions."""
+    """Write the sums of joint and cable loads at the stages to `load` in the records of `work.bodies`, `work.panels`.
+
+    Directions and lever arms of the loads are those that the last iteration has left in `work`.
+    """
     nothing = splat4(0.0)
     for b in range(model.bodies.size):
         for i in range(3):
@@ -182,7 +186,7 @@ def distribute_loads(model, state, work):
 
 @kernel
 def turn_body(start, angle, turn):
-    """Turn cosine and sine `start` (2,) by `angle` [rad], a vector by stage, and write the results to `turn` (2, 4)."""
+    """Rotate the unit vector `start` (2,) by an `angle` [rad] at each stage, and write the results to `turn` (2, 4)."""
     square, small = angle * angle, True
     store4(turn[0], 0, square)
     for s in range(STAGES):
@@ -201,7 +205,7 @@ def turn_body(start, angle, turn):
 
 @kernel
 def stage_frames(model, state, work, h):
-    """Compute in `work.bodies` the bodies' centres of mass, angles and their rates at the stages of a step `h` [s]."""
+    """Compute bodies' positions, angles and rates at the stages of a step `h` [s] from the loads in `work.bodies`."""
     times = h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         body, scratch = model.bodies[b], work.bodies[b]
@@ -221,7 +225,7 @@ def stage_frames(model, state, work, h):
 
 @kernel
 def move_attachments(model, work):
-    """Compute in `work.attachments` the attachments' motion from the motion of bodies' frames and panels' ends."""
+    """Write positions, directions and rates of the joints' points on bodies at the stages to `work.attachments`."""
     for number in range(model.attachments.size):
         attachment, scratch = model.attachments[number], work.attachments[number]
         body, panel = work.bodies[attachment.body], model.bodies[attachment.body].panel
@@ -250,7 +254,7 @@ def move_attachments(model, work):
 
 @kernel
 def move_joints(model, work):
-    """Compute in `work.joints` the motion of every joint from its attachments' motion."""
+    """Write the joints' angles, eccentricities, contact depths and rates at the stages to `work.joints[j].motion`."""
     for j in range(model.joints.size):
         joint, motion = model.joints[j], work.joints[j].motion
         outboard, inboard = work.attachments[joint.outboard], work.attachments[joint.inboard]
@@ -281,7 +285,7 @@ def move_joints(model, work):
 
 @kernel
 def chord_angle(cable, x, y, turn):
-    """Add the body-frame angle of a chord `cable.chord_sense` * (x, y) to the body's angles `turn` [rad], in place."""
+    """Add the body-frame angle of a chord `cable.chord_sense` * (x, y) to the body's `turn` [rad] at all stages."""
     small = True
     for s in range(STAGES):
         small = small and cable.chord_sense * x[s] > 0.0 and abs(y[s]) < _SMALL_SLOPE * abs(x[s])
@@ -297,7 +301,7 @@ def chord_angle(cable, x, y, turn):
 
 @kernel
 def move_cables(model, work):
-    """Compute in `work.cables` the motion of every cable loop from the motion of joints and attachments."""
+    """Write each cable loop's motion (wheel angles' mismatch, wheel rate, chord) at the stages to `work.cables`."""
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         inner, outer = work.joints[cable.joint_a].motion, work.joints[cable.joint_b].motion
@@ -332,7 +336,7 @@ def move_cables(model, work):
 
 @kernel(inlined=False)
 def look_at(model, q, v, work):
-    """Compute in `work` the motion of bodies, joints and cable loops in one state (`q`, `v`), copied to all stages."""
+    """Write the motion of bodies, joints and cable loops at coordinates `q`, velocities `v` to all stages in `work`."""
     for b in range(model.bodies.size):
         body, scratch, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
@@ -351,7 +355,7 @@ def look_at(model, q, v, work):
 
 @kernel
 def start_from_end(model, state, q, work):
-    """Copy the motion at the last stage from `work` to `state`, where the next step starts; `q` has the body angles."""
+    """Copy the motion at the step's end from `work` to `state`; body angles there are read from the coordinates `q`."""
     for b in range(model.bodies.size):
         angle = q[model.bodies[b].offset + 2]
         state.turns[b, 0], state.turns[b, 1] = math.cos(angle), math.sin(angle)

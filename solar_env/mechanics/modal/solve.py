@@ -2,9 +2,9 @@
 
 The method is of fifth order, stiffly accurate and L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential
 Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Every iteration updates directions
-and lever arms at the stages; foreshortening is updated after large corrections. Newton's matrix uses the first
-iteration's directions, and is reused while all loads stay on the same branches of their laws. In ideal joints the
-relative velocity at the stages vanishes, except for a small part that closes the position gap.
+and lever arms at the stages; panels' shortening by bending is updated after large corrections. Newton's matrix uses the
+first iteration's directions, and is reused while all loads stay on the same smooth parts of their laws. In ideal joints
+the relative velocity at the stages vanishes, except for a small part that closes the position gap.
 """
 
 import math
@@ -90,7 +90,7 @@ class ModalSettings(NamedTuple):
 
 @kernel
 def foresee(state, work, h):
-    """Write to `work.step` weights that extrapolate loads from the last step's stages to this step's (`h` [s])."""
+    """Write weights that extrapolate loads from the last step's stages to a step `h` [s] to `work.step[0].foreseen`."""
     last = state.clock[0].last_step
     for s in range(LANES):
         later = NODES[min(s, LAST)] * h / last if last > 0.0 else 0.0
@@ -106,7 +106,7 @@ def foresee(state, work, h):
 
 @kernel
 def continue_course(foreseen, course, stage):
-    """Write to `stage` a load at this step's stages: `course`, its last step's values, times weights `foreseen`."""
+    """Write a load at this step's stages to `stage`: sums of last step's values, `course`, weighted by `foreseen`."""
     total = course[0] * load4(foreseen[0], 0)
     for k in range(1, STAGES):
         total = total + course[k] * load4(foreseen[k], 0)
@@ -115,7 +115,7 @@ def continue_course(foreseen, course, stage):
 
 @kernel
 def start_stages(model, state, work, h):
-    """Guess the stages in `work`: turn bodies and contact normals at their present rates, extrapolate earlier loads."""
+    """Write first guesses for the stages to `work`: directions turned at their present rates and loads extrapolated."""
     foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
@@ -159,8 +159,8 @@ def move_stages(model, state, work, tables, level, h, shaped, coupled):
     """Compute in `work` the motion of bodies, attachments and joints at the stages under the present loads.
 
     If `shaped`, update foreshortening, the shortening of panels by bending. If `coupled`, also update the forces that
-    it exerts on the modes; their amplitudes are taken under the previous iteration's forces. `tables` hold, at index
-    `level`, the panel modes' responses to the step `h` [s].
+    foreshortening exerts on the modes; they follow from the modes' amplitudes under the previous iteration's forces.
+    `tables` hold, at index `level`, the panel modes' responses to the step `h` [s].
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
@@ -184,7 +184,10 @@ def move_stages(model, state, work, tables, level, h, shaped, coupled):
 
 @kernel
 def velocity_tolerance(model, state, settings):
-    """Return the velocity tolerance [m/s]: rtol times the velocity scale, or times the hinges' speed if it is lower."""
+    """Return the tolerance of velocities [m/s]: rtol times the settings' velocity scale.
+
+    Without ideal joints, the scale shrinks to the fastest joint rate times the longest body's length, at most by 99 %.
+    """
     scale, fastest = settings.velocity_scale, 0.0
     for j in range(model.joints.size):
         if model.joints[j].kind == IDEAL:
@@ -195,7 +198,7 @@ def velocity_tolerance(model, state, settings):
 
 @kernel
 def set_tolerances(model, state, work, settings, h, n):
-    """Write the tolerance [N] of every force among the `n` unknowns to `work.loads`.
+    """Write the tolerance [N] of every force among the `n` unknowns to `work.loads[k].tolerance`.
 
     Newton's iteration stops at corrections that are small against it. The error test of the step `h` [s] compares it
     with the difference, at the step's start, between the force and the polynomial through the forces at the stages.
@@ -224,13 +227,16 @@ def set_tolerances(model, state, work, settings, h, n):
 
 @kernel
 def greatest_lane(vector):
-    """Return the greatest of a vector's numbers at the three stages."""
+    """Return the greatest of a vector's first three numbers, which belong to the three stages of a step."""
     return max(max(lane(vector, 0), lane(vector, 1)), lane(vector, 2))
 
 
 @kernel
 def factor_matrix(state, work, n, h, renewed):
-    """Compute `n` unknowns' residuals and, if `renewed`, Newton's matrix and its factors; return False if singular."""
+    """Write the residuals of the `n` unknowns' equations to `work.residual`; return False if the matrix is singular.
+
+    If `renewed`, also compute Newton's matrix for the step `h` [s] and factor it, in `work.matrix` and `work.inverses`.
+    """
     for r in range(n):
         load, constraint = work.loads[work.unknowns[r].number], work.unknowns[r].kind >= REACTION_X_ROW
         if constraint:
@@ -248,10 +254,11 @@ def factor_matrix(state, work, n, h, renewed):
 
 @kernel
 def correct_loads(model, state, work, n, h, renewed):
-    """Correct the loads once by Newton's method, with a new matrix if `renewed` or if a load's law changed branch.
+    """Correct the loads of a step `h` [s] in `work.loads` by one Newton iteration; return the corrections' sizes.
 
-    Torques outside Newton's matrix take their laws' values. Return the greatest changes, in tolerances, of the `n`
-    unknowns and of these torques. Both are infinite if the matrix is singular or a change is not finite.
+    The matrix is new if `renewed`, or if a load's law changed branch (smooth part). Torques that depend weakly on the
+    motion are not among the `n` unknowns: they take their laws' values. Return the greatest change of an unknown and of
+    such a torque, divided by their tolerances: two infinities if the matrix is singular or a change not finite.
     """
     size = apart = total = splat4(0.0)
     changed = greatest_lane(torque_laws(model, state, work) + contact_laws(model, state, work, n))
@@ -278,7 +285,10 @@ def correct_loads(model, state, work, n, h, renewed):
 
 @kernel
 def furthest_off(model, work, n):
-    """Return the joint whose load, of `n` unknowns, the last iteration corrected most in tolerances; -1 if no load."""
+    """Return the index of the joint whose load the last iteration changed most, relative to the load's tolerance.
+
+    `n` is the number of unknown loads. A cable loop counts for its outer joint. Return -1 if no load changed.
+    """
     joint, greatest = -1, 0.0
     for r in range(n):
         owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
@@ -291,7 +301,7 @@ def furthest_off(model, work, n):
 
 @kernel
 def solve_step(model, state, work, settings, tables, level, h):
-    """Solve for `work.loads` at the stages of step `h` [s], with index `level` in `tables`; return False on failure."""
+    """Solve for `work.loads` at stages of a step `h` [s]; `level` is its index in `tables`; return False on failure."""
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:

@@ -3,8 +3,9 @@
 A mode obeys y'' + 2 delta y' + omega^2 y = f. The stages are from E. Hairer and G. Wanner, Solving Ordinary
 Differential Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last stage is the
 step's end. A load's course over a step is the polynomial through its values at the stages. A mode with omega h < 2 in a
-step h responds exactly; so does a faster mode whose damping makes errors fade. Other modes respond as the Radau method
-integrates them: without its numerical damping, loads that meet fast vibrations at arbitrary phases would grow.
+step h responds exactly; so does, up to a greater limit, a mode with over 2 % of critical damping, in which errors fade.
+Other modes respond as the Radau method integrates them. The method's numerical damping keeps loads, which meet fast
+vibrations at arbitrary phases, from growing.
 
 A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. Bending and axial modes form
 four groups. The sum or the difference of the two ends' loads acts on a group. One end's values give the other end's.
@@ -161,7 +162,10 @@ class Panels(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Motion of D panel designs' modes and ends due to unit start values or loads, for L time-step sizes (levels)."""
+    """Motion of modes and panel ends in a time step, for D panel designs and L step sizes (levels).
+
+    It is tabled per unit start amplitude and start rate of a mode, and per unit load at each of the three stages.
+    """
 
     answers: NDArray[np.void]  # (1,) scratch, of `answer_type`
     free: Array  # (D, L, modes, 2 COLUMNS) motion at the stages by start value and start rate, and DEFECT_LANES of both
@@ -185,9 +189,10 @@ def make_tables(panels: Panels, levels: int) -> Tables:
 
 @kernel
 def exact_coefficients(frequency, damping_rate, h, answer):
-    """Write to `answer.coefficient` a mode's exact values and rates at the stages, per unit start value, rate and load.
+    """Write a mode's exact motion at the stages of a step `h` [s] to `answer.coefficient` (40,).
 
-    A Taylor series, whose terms fall as 1/n!, is summed for all five causes at once, one in each lane of a vector.
+    For unit start value, start rate, and load at each stage, the array has values at the stages, a gap, rates, a gap. A
+    Taylor series, whose terms fall as 1/n!, is summed for all five causes at once, one in each lane of a vector.
     """
     square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
     first, second, largest = load8(_UNIT_VALUE, 0), load8(_UNIT_RATE, 0), 1.0
@@ -224,7 +229,10 @@ def exact_coefficients(frequency, damping_rate, h, answer):
 
 @kernel
 def closed_coefficients(frequency, damping_rate, h, coefficients):
-    """Write exact stage values, rates of an underdamped mode, per unit start value, rate, load, to `coefficients`."""
+    """Write an underdamped mode's exact motion at the stages of a step `h` [s] to `coefficients` (40,).
+
+    For unit start value, start rate, and load at each stage, the array has values at the stages, a gap, rates, a gap.
+    """
     square, inverse = frequency * frequency, 1.0 / h
     damped = math.sqrt(square - damping_rate * damping_rate)
     for s in range(STAGES):
@@ -253,7 +261,10 @@ def closed_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
-    """Write a mode's values and rates at Radau IIA stages, per unit start value, rate and load, to `coefficients`."""
+    """Write a mode's motion at the stages of a step `h` [s], by the Radau IIA method, to `coefficients` (40,).
+
+    For unit start value, start rate, and load at each stage, the array has values at the stages, a gap, rates, a gap.
+    """
     square, damping = frequency * frequency, 2.0 * damping_rate
     (a11, a12, a13), (a21, a22, a23), (a31, a32, a33) = A
     (b11, b12, b13), (b21, b22, b23), (b31, b32, b33) = B
@@ -283,12 +294,12 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel(inlined=False)
 def fill_answer(frequency, damping_rate, exact, h, answer):
-    """Compute in `answer` a mode's motion in a step `h` [s] for a unit start value, start rate, or load at a stage.
+    """Compute a mode's motion in a step `h` [s] for five causes: unit start value, start rate, and load at each stage.
 
-    For each of these five causes in turn, `answer.coefficient` has four values, then four rates: at the three stages,
-    the last one twice to fill a vector. They are exact if omega h is below 2, or below `exact` for damping ratios above
-    0.02. Otherwise, or if the damping rate [1/s] exceeds 1 / h, they are the Radau method's, and `answer.defect` has
-    the errors of free motion at the end of the step. `frequency` is omega [rad/s].
+    For each cause in turn, `answer.coefficient` takes four values, then four rates: at the three stages, and the last
+    stage's again, to fill a vector. `frequency` is omega [rad/s]. The numbers are exact if omega h is below 2; with a
+    damping ratio above 0.02, below `exact`. Otherwise, or if `damping_rate` [1/s] exceeds 1 / h, they are the Radau
+    method's, and `answer.defect` takes the errors of free motion at the step's end.
     """
     coefficients, phase = answer.coefficient, frequency * h
     for c in range(2 * DEFECTS):
@@ -327,7 +338,11 @@ def side(end):
 
 @kernel
 def add_mode(shapes, frequency, answer, group, k, responses):
-    """Add a mode's end motion per end load to `responses`: its response `answer` times end values `shapes[:, k]`."""
+    """Add mode `k` of a mode `group` to the motion of a panel's ends per unit load at an end, in `responses`.
+
+    Products of `answer`, the mode's motion per unit modal load, and end values `shapes[:, k]` go to `response[group]`.
+    Errors of the deflection that a constant load holds (load / `frequency`^2) go to `held`; `unresolved` counts them.
+    """
     for i in range(values_of(group)):
         for j in range(values_of(group)):
             product, row = shapes[i, k] * shapes[j, k], responses.response[group, i, j]
@@ -342,7 +357,7 @@ def add_mode(shapes, frequency, answer, group, k, responses):
 
 @kernel
 def join_groups(responses):
-    """Compute in `responses.ends` both panel ends' motion per unit load on the first, by adding even and odd modes."""
+    """Write both panel ends' motion per unit load on the first end to `responses.ends`: even plus odd modes' motion."""
     for product, group, i, j in (
         (ALONG_ALONG, AXIAL_EVEN, 0, 0),
         (ACROSS_ACROSS, BENDING_EVEN, 0, 0),
@@ -359,7 +374,7 @@ def join_groups(responses):
 
 @kernel
 def keep_answer(tables, d, level, k, answer):
-    """Copy the response `answer` of mode `k` to a level (step size) of the tables of panel design `d`."""
+    """Copy mode `k`'s response `answer` to `tables`, at the indices `d` of panel design and `level` of step size."""
     coefficients = answer.coefficient
     for c in range(2 * COLUMNS):
         tables.free[d, level, k, c] = coefficients[c]
@@ -373,7 +388,7 @@ def keep_answer(tables, d, level, k, answer):
 
 @kernel(inlined=False)
 def fill_level(panels, tables, level, h):
-    """Compute panel designs' motion due to start values, loads in a time step `h` [s], at index `level` of `tables`."""
+    """Compute panels' motion in a step `h` [s] per unit start amplitude, rate or load, at index `level` of `tables`."""
     answer = tables.answers[0]
     for d in range(panels.damping.size):
         responses = tables.responses[d, level]

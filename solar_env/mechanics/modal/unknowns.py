@@ -1,8 +1,8 @@
 """Unknown loads of a step by the three-stage Radau IIA method, and their mobility, the motion caused by unit loads.
 
-An unknown exerts forces and moments on the bodies of its joint or cable loop. Weighted with these and summed, the
-bodies' motions give the motion on which the unknown does work: a joint angle, negative penetration depth, sliding
-speed, or relative velocity. The mobility is this motion at the three stages, per unit of the same or another unknown.
+An unknown exerts forces and moments on the bodies of its joint or cable loop. It does work on a joint angle, negative
+penetration depth, sliding speed or relative velocity. This motion is the sum of the bodies' motions times forces and
+moments of a unit load. The mobility is this motion at the three stages, per unit of the same or another unknown.
 """
 
 import math
@@ -103,11 +103,12 @@ def list_loop(model, work, r, kind, c, number):
 
 @kernel
 def list_rows(model, state, work, tables, level, h):
-    """List the unknowns of a step in `work.unknowns`, and set the tolerances of torques; return the unknowns' number.
+    """List the unknown loads of a step `h` [s] in `work.unknowns`, and return their number.
 
-    A torque is an unknown if an engaged stop, a damper or dry friction contributes, or if the rotation that it causes
-    in the step changes it by over 5 %. Every iteration evaluates the other torques from the motion. `tables` hold, at
-    index `level`, the panel modes' responses to the step `h` [s].
+    Forces are unknowns: reactions, contact forces and pulls of cable loops. A torque is an unknown if an engaged stop,
+    a damper or dry friction contributes, or if the rotation that it causes in the step changes the torque by over 5 %.
+    Every iteration evaluates the other torques from the motion. All torques' tolerances are written to
+    `work.loads[k].tolerance`. `tables` hold, at index `level`, the panel modes' responses to the step.
     """
     n = 0
     for j in range(model.joints.size):
@@ -163,9 +164,10 @@ def mark_blocks(work, n, h):
 
 @kernel
 def enter_load(model, work, number, fx, fy, torque, load):
-    """Write to `load` (4,) a force (fx, fy), in inertial axes, and a torque on the attachment with index `number`.
+    """Write a force (fx, fy), in inertial axes, and a torque on attachment `number` of a body to `load` (4,).
 
-    The entries are force along and across the body at the step's end, torque, and moment about the centre of mass.
+    Elements 0 and 1 are the force's components along and across the body, with the body's angle at the step's end.
+    Element 2 is the torque, element 3 the moment of force and torque about the body's centre of mass.
     """
     turn, local = work.bodies[model.attachments[number].body].turn, work.attachments[number].local
     c, s = turn[0, LAST], turn[1, LAST]
@@ -176,10 +178,11 @@ def enter_load(model, work, number, fx, fy, torque, load):
 
 @kernel
 def fill_unit_loads(model, work, n):
-    """Write to `n` records of `work.unknowns` the loads that a unit of the unknown exerts on bodies, at the step's end.
+    """Write the loads that a unit of each of the `n` unknowns exerts on bodies, at the step's end, to `work.unknowns`.
 
-    Rows of `load` are, for each body, the force along and across it, the torque, and the moment about its centre of
-    mass. Rows of `reading` are weights: with them the bodies' motions sum up to the motion on which the load works.
+    Each row of `load` is for one body: force along and across it, torque, and moment about its centre of mass. The rows
+    of `reading` have the same order. They are weights of the bodies' displacements and rotations, or of their rates, in
+    the motion on which the unknown does work, and equal `load` except in cable loops that do not conserve energy.
     """
     for r in range(n):
         unknown = work.unknowns[r]
@@ -207,9 +210,9 @@ def fill_unit_loads(model, work, n):
 
 @kernel
 def add_scaled(sums, gain, motion):
-    """Return the tuple `sums` of three vectors, each with `gain` times the next eight numbers of `motion` (24,) added.
+    """Return the tuple `sums` of three vectors (8,) with `gain` times the three thirds of `motion` (24,) added.
 
-    The eight are a motion's values at the stages (the last twice), then rates there, by a load at one of three stages.
+    A third belongs to a load at one stage: values at the three stages, the last one twice, then rates alike.
     """
     first, second, third = sums
     first, second = first + gain * load8(motion, 0), second + gain * load8(motion, COLUMNS)
@@ -218,11 +221,15 @@ def add_scaled(sums, gain, motion):
 
 @kernel
 def add_shared(work, model, tables, level, number, reading, other, opposite, sums):
-    """Return `sums` plus a body's motion caused by a unit of the unknown load `other`, weighted by the load `reading`.
+    """Return `sums` plus one body's part in the motion on which a first unknown does work, per unit of a second one.
 
-    `reading` (4,), a unit load on the model's attachment `number`, does work on the weighted motion. `sums` are three
-    vectors, for a unit of `other` at each stage: the motion's values at all stages, then its rates. `other` is a record
-    of `work.unknowns`; its attachment `opposite` is on the same body. `level` is the step size's index in `tables`.
+    Args:
+        number: index in `model.attachments` of the point at which the first load acts on the body.
+        reading: (4,) the first load there, of unit size; the part is its work on the body's motion.
+        other: record of the second load, which moves the body, in `work.unknowns`.
+        opposite: index of the point on the same body among the attachments of `other`.
+        sums: three vectors (8,), for the second load at each stage: four values at the stages, then four rates.
+        tables, level: panel modes' responses, and the step size's index in them.
     """
     attachment, loaded = model.attachments[number], model.attachments[other.attachment[opposite]]
     body, load = model.bodies[attachment.body], other.load[opposite]
@@ -242,11 +249,11 @@ def add_shared(work, model, tables, level, number, reading, other, opposite, sum
 
 @kernel
 def share_motion(model, work, tables, level, p, q, mutual):
-    """Compute in `work.mobility[p, q]` the motion on which unknown load `p` does work, caused by a unit of load `q`.
+    """Write the motion on which unknown load `p` does work, caused by a unit of load `q`, to `work.mobility[p, q]`.
 
-    For a unit of `q` at each stage of the step, it has the motion's values at all stages, then its rates. If `mutual`,
-    copy the result to [q, p]. Only bodies that both loads act on contribute. `tables` hold, at the index `level` of the
-    step's size, the panel modes' responses.
+    Both are indices into `work.unknowns`. There are eight numbers for load `q` at each of the three stages: the
+    motion's values at the stages, then its rates. If `mutual`, copy them to [q, p]. Only bodies on which both loads act
+    contribute. `tables` hold, at the step size's index `level`, the panel modes' responses.
     """
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
@@ -264,9 +271,10 @@ def share_motion(model, work, tables, level, p, q, mutual):
 
 @kernel
 def fill_mobility(model, work, tables, level, h, n):
-    """Compute `work.mobility` in a step `h` [s], for pairs of the `n` unknown loads in the same block of the matrix.
+    """Compute the mobility of the `n` unknown loads in a step `h` [s], and write it to `work.mobility`.
 
-    Entry [p, q] is the motion on which p does work, by a unit of q. `level` is `h`'s index in the response `tables`.
+    Entry [p, q] is the motion on which load p does work, such as a joint angle, per unit of load q at each stage. Only
+    pairs in one block of Newton's matrix count. `tables` hold, at index `level`, the panel modes' responses.
     """
     fill_unit_loads(model, work, n)
     for k in range(STAGES):

@@ -70,7 +70,7 @@ def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
 
 @kernel(inlined=False)
 def clear(elimination, matrix):
-    """Set a profile matrix to zero, but to one on the diagonal where the order `elimination` has no unknown."""
+    """Set a `ProfileMatrix` to zero, but its diagonal to one at `elimination.empty`, padding places without unknown."""
     for array in (matrix.lower, matrix.upper, matrix.diagonal):
         for i in range(array.shape[0]):
             for k in range(_ENTRIES):
@@ -149,7 +149,7 @@ def _subtract_product(out, left, right):
 
 @kernel
 def _scale(block, inverse):
-    """Replace the block B, which is stored column by column, by B times `inverse`."""
+    """Replace a 4 x 4 matrix B, stored by columns in `block`, by B times the matrix `inverse`, stored by rows."""
     for i in range(BLOCK):
         b0, b1, b2, b3 = block[i], block[4 + i], block[8 + i], block[12 + i]
         y0 = b0 * inverse[0] + b1 * inverse[4] + b2 * inverse[8] + b3 * inverse[12]
@@ -223,7 +223,7 @@ def _times(block, x0, x1, x2, x3):
 
 @kernel
 def _transposed_times(block, x):
-    """Return the product of a block, stored column by column, and a vector (BLOCK,)."""
+    """Return the four entries of B x for the 4 x 4 matrix B, which `block` (16,) holds by columns, and `x` (4,)."""
     a, b, c, d = x[0], x[1], x[2], x[3]
     return (
         block[0] * a + block[4] * b + block[8] * c + block[12] * d,
@@ -260,7 +260,7 @@ def profile_solve(elimination, matrix, b):
 
 @kernel(inlined=False)
 def profile_product(elimination, matrix, x, out):
-    """Write a profile matrix times `x` to `out`; matrix and vectors (blocks, BLOCK) are in the order `elimination`."""
+    """Write a `ProfileMatrix` times `x` to `out`; both vectors (blocks, BLOCK) are in the order of an `Elimination`."""
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):

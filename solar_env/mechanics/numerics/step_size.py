@@ -48,7 +48,7 @@ def shortened(control, h, error):
 
 @kernel
 def growth(control, error, last_error):
-    """Return the ratio of the next step's size to the present step's, from the errors of present and last step."""
+    """Return the ratio of the next step's size to this one's, by a `StepController`; errors are in tolerance units."""
     wanted = _SAFETY * max(error, control.least_error) ** (-control.proportional / control.order)
     wanted = min(wanted * last_error ** (control.integral / control.order), control.most_growth)
     return 1.0 if wanted < control.least_growth else wanted

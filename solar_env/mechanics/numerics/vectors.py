@@ -286,7 +286,7 @@ def _magnitude(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
-    """Register with the compiler an arithmetic operation on two vectors, and on a vector and a number."""
+    """Let kernels apply `operation` to two vectors, or vector and number, by an LLVM `instruction` such as "fadd"."""
 
     @infer_global(operation)
     class Template(AbstractTemplate):

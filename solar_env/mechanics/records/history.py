@@ -13,7 +13,7 @@ IMPACT_DURATIONS = 2.0  # number of predicted durations for which a contact coun
 
 @kernel
 def end_contact(state, j, time, recorder):
-    """End the contact of joint `j` at a time [s], and store its row in `recorder`."""
+    """End joint `j`'s contact at `time` [s]; add its times, speed, peak force, impulse, work to `recorder.contacts`."""
     joint_state = state.joints[j]
     record_contact(recorder, j, joint_state, state.integrals, time)
     joint_state.in_contact = 0
@@ -94,7 +94,10 @@ def next_release(state, end):
 
 @kernel(inlined=False)
 def release_joints(model, state, motion):
-    """Release joints whose release time has come; their hold-downs' energy is lost. Return whether any was released."""
+    """Release held joints whose release time has come, and return whether any was released.
+
+    The elastic energy of their hold-downs, at the joint angles `motion[j].angle` [rad], is booked as lost.
+    """
     released = False
     for j in range(state.joints.size):
         joint_state = state.joints[j]
@@ -137,7 +140,7 @@ def step_limit(state, settings):
 
 @kernel
 def fail(state, status, joint, value):
-    """Record in `state.clock` the joint and the value that stop a call; return the status code."""
+    """Record in `state.clock` a joint and a value, such as its angle, for the error's message; return the `status`."""
     state.clock[0].failure_joint = joint
     state.clock[0].failure_value = value
     return status

@@ -148,11 +148,11 @@ class Batch:
         return address_of(advance_lanes, *self._arguments(0, np.zeros(0, np.int64)), np.zeros(0))
 
     def run(self, kernel: Callable, lanes: NDArray[np.int64], *further: Any) -> dict[int, SimulationError]:
-        """Run a kernel on lanes (k,), indices of simulations, in the batch's threads; return failed lanes' errors.
+        """Run a kernel on `lanes` (k,), indices of simulations; return a dictionary from failed lanes to errors.
 
         The kernel takes the arguments of `advance_lanes` up to and including `statuses`, then the arguments `further`.
-        It sets each lane's status, DONE beforehand. It is called again, up to the integrator's `max_steps` in all, for
-        lanes whose steps for one call ran out (TOO_MANY_STEPS), or whose contact table was full (PAUSED).
+        Statuses are DONE before the first call; the kernel sets them. It is called again for lanes that used up the
+        steps of one call (TOO_MANY_STEPS) or filled the contact table (PAUSED), up to the integrator's `max_steps`.
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")] if lanes.size > 1 else lanes
         left, clock = self.integrator.max_steps, self.states.clock

@@ -71,7 +71,7 @@ _CAUSES = {
 
 
 def failure(status: int, clock: Any) -> SimulationError:
-    """Return the error for a status code other than DONE and PAUSED; the record `clock` holds time, joint and value."""
+    """Return the error for a status code (not DONE, PAUSED); `clock` holds time, joint and value for the message."""
     (reason, text), time = _CAUSES[status], float(clock["time"])
     cause = text.format(joint=int(clock["failure_joint"]) + 1, value=float(clock["failure_value"]))
     return SimulationError(f"at t = {time:.9g} s {cause}", time, reason)

@@ -175,7 +175,7 @@ class Simulation:
             self._tell("forces", force_shortcoming(self))
 
     def failure(self, status: int) -> SimulationError:
-        """Return the error for a status code, other than DONE, with which a kernel left the present state."""
+        """Return the error for a status code, not DONE or PAUSED, with which a kernel stopped at the present state."""
         # Modal panels that leave their range may be the cause.
         self._tell("range", range_shortcoming(self))
         return failure(status, self.state.clock[0])
@@ -187,7 +187,7 @@ class Simulation:
             SimulationWarning: if the energy balance is off by more than 1 % of the energy turned over; if modal panels
                 bend or turn by more than their second-order theory holds for; if multipliers of generalized-alpha
                 differ from the constraint forces by more than 10 % of the largest force; if a fixed step does not
-                resolve the latest impact of a joint; if a tolerance is too loose for single contacts.
+                resolve the latest impact of a joint; if `rtol` is so loose that a contact's force may be ten times off.
         """
         self._steps_looked = int(self.state.clock["steps"][0])
         for subject, text in shortcomings(self).items():
@@ -294,7 +294,7 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     metadata: Mapping[str, object] | None = None,
 ) -> Trajectory:
-    """Simulate a mechanism from t = 0 for `duration` and keep samples every `output_step`.
+    """Simulate a mechanism from t = 0 for `duration`; return its `Trajectory`, sampled every `output_step`.
 
     Args:
         mechanism: mechanism to simulate.

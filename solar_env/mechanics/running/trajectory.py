@@ -47,7 +47,7 @@ class Trajectory:
             integrals are free of these errors.
         joint_force: (nt, nj, 2) force on the outboard body, in inertial axes.
         spring_torque, cable_torque, latch_torque, motor_torque, harness_torque, damping_torque, hinge_friction_torque:
-            (nt, nj) torques on the joint angle; the latch torque is the torque of all stops.
+            (nt, nj) torques on the joint angle; `latch_torque` comes from latch, stow stop, end stop or hold-down.
         energies: arrays (nt,) by name. Stored: kinetic, spring, cable, latch, contact, elastic, harness, gravity (of
             all constant forces). Put in: motor_work, cable_work (zero for a loop that conserves energy),
             external_work (of drives and load torques). Lost: contact_dissipation, friction_dissipation,
@@ -68,9 +68,9 @@ class Trajectory:
         contact_starts: (nj,) number of contacts that began.
         clearance, journal_radius: (nj,) zero for ideal joints.
         metadata: model, integrator, counts of steps and evaluations, wall time, parameters. `stability_bound_steps`
-            counts steps that the explicit method's stability on flexible bodies limited. `slow_contacts` counts
-            contacts that began below the minimum impact speed and bounce too much. `creeping_share` is the fraction of
-            samples in contact at which the surfaces crept on the friction ramp, where Coulomb's law might stick.
+            counts explicit steps that stability on flexible bodies, not accuracy, has limited. `slow_contacts` counts
+            contacts that began at or below the law's minimum impact speed; they bounce too much. `creeping_share` is
+            the fraction of samples in contact with friction below Coulomb's limit, where dry friction might stick.
     """
 
     time: Array
@@ -260,8 +260,8 @@ def assemble(
 ) -> Trajectory:
     """Make the trajectory of a finished run from its samples, its contacts (from `contact_table`) and its last state.
 
-    A copy of `metadata` gets counts of steps, evaluations and contacts too slow for their law (`slow_contacts`), and
-    the fraction of samples in contact that creep instead of sticking (`creeping_share`).
+    A copy of `metadata` gets counts of steps and evaluations; `slow_contacts`, the number of contacts that began at or
+    below the minimum impact speed; `creeping_share`, the fraction of samples in contact with friction below its limit.
     """
     table, joints, clock = recorder.samples, model.joints.size, state.clock[0]
     slices = sample_columns(model, state)
@@ -316,7 +316,7 @@ def assemble(
 
 
 def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np.void]:
-    """Return a `contact_record` array: ended contacts (`closed`, rows of the recorder), then open contacts."""
+    """Return a `contact_record` array: finished contacts (`closed`, rows of the recorder), then those going on."""
     rows = [tuple(row) for row in closed]
     for j, joint_state in enumerate(state.joints):
         if joint_state["in_contact"]:
@@ -336,9 +336,10 @@ def contact_table(state: StateArrays, closed: NDArray[np.float64]) -> NDArray[np
 
 
 def _limits_of_the_laws(joints: Any, contacts: Any, normal: Array, tangential: Array) -> dict[str, Any]:
-    """Return the number of `slow_contacts`, and the `creeping_share` of samples in contact, from forces (nt, nj) [N].
+    """Return a dictionary of two totals over all joints, from `contacts` and contact forces (nt, nj) [N].
 
-    Slow contacts began at or below the joint's minimum impact speed. Samples creep if friction is below Coulomb's.
+    `slow_contacts` is the number of contacts that began at or below the joint's minimum impact speed. `creeping_share`
+    is the fraction of the samples in contact in which friction is below Coulomb's limit.
     """
     loose = joints["kind"] == m.CLEARANCE
     pressed = normal[:, loose] > 0.0

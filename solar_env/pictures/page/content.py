@@ -66,7 +66,8 @@ class Chart:
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
         polar: whether y is the radius, and x the angle [deg]; the axis name `y` is then the unit alone.
         limits: limits of y; by default the lines set them.
-        bars: names of positions 0, 1, 2, ... on the vertical axis, from the top, if lines are drawn as bars.
+        bars: names of horizontal bars from the top; empty if the chart has no bars. Bars are thick pieces of a line at
+            y near 0, 1, ..., parted by nan.
     """
 
     title: str

@@ -38,7 +38,7 @@ def shown_samples(trajectory: Trajectory) -> Samples:
 
 
 def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
-    """Return each joint's greatest contact force [N] from each sample index in `kept` to the next, as (kept, joints).
+    """Return (kept, joints) greatest contact forces [N] from each sample index in `kept` to the next, or to the end.
 
     Samples may miss a contact's peak. The contact's recorded peak force therefore replaces its greatest sampled force.
     """

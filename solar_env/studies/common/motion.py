@@ -1,4 +1,4 @@
-"""Deployments and model levels for studies, records of runs by any program, and their errors against a reference."""
+"""Deployments and levels of model fidelity for studies, results of runs (also of other programs), and their errors."""
 
 import math
 import warnings
@@ -107,12 +107,12 @@ class Level:
 
     @property
     def panels(self) -> ModelLevel:
-        """The `ModelLevel` (kind of panels and joints) that the attribute `model` names; it holds no tolerance."""
+        """Kind of panels and joints that the attribute `model` names, as a `ModelLevel`, which has no tolerance."""
         return ModelLevel.of(self.model)
 
     @property
     def name(self) -> str:
-        """Model, panels and tolerance in words, such as "flexible-clearance, 32 modes" or "rigid-ideal"."""
+        """Level in words, such as "rigid-ideal", or "flexible-clearance, 32 modes, rtol / 4" if `tighter` is 4."""
         return f"{self.panels.name}, {self.size}" if self.panels.flexible else self.panels.name
 
     def integrator(self, member: int = 0) -> RungeKutta:
@@ -123,7 +123,7 @@ class Level:
     def deploy(self, parameters: ArrayParameters, member: int, duration: float, output_step: float) -> Trajectory:
         """Return the trajectory of an ensemble's run `member` over `duration` [s], sampled every `output_step` [s].
 
-        The members' initial joint rates and tolerances differ at random; member 0 has the nominal ones.
+        Initial joint rates and integration tolerances of members differ at random; member 0 has the nominal ones.
 
         Raises:
             SimulationError: if the run cannot go on.

@@ -52,7 +52,10 @@ class ChartPlan:
     side_duration: float = 30.0  # duration of the deployments that are timed side by side [s]
 
     def deployment(self, model: str) -> Scene:
-        """Return a deployment beyond the latching, at model level `model` with flexible panels set to `self.panels`."""
+        """Return a deployment that ends after latching, at a model level such as "flexible-ideal".
+
+        `model` names the level; flexible panels have the modes or elements that `self.panels` states.
+        """
         return Scene(with_panels(model, self.panels), self.parameters, self.duration, self.before_latch / 120.0)
 
 

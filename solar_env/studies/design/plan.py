@@ -153,7 +153,9 @@ class DesignPlan:
         return min(bounds, default=DEADLINE)
 
     def parameters(self, values: Mapping[str, float]) -> ArrayParameters:
-        """Return the array's parameters with `values` by name: new values, or factors if values differ between joints.
+        """Return the array's parameters changed by `values`, which maps names of parameters to numbers.
+
+        A parameter whose nominal values differ between joints is multiplied by its number; others are set to it.
 
         Raises:
             ValueError: The array refuses a value.

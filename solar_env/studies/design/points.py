@@ -70,9 +70,9 @@ class Bench:
         return self.finest, f"no cheaper one is within {TOLERANCE:.0%} of it"
 
     def measured(self, asked: Sequence[tuple[Mapping[str, float], Level, int]], what: str = "") -> list[Point]:
-        """Simulate designs given as (parameter values, model level, number of members to skip); return their points.
+        """Simulate designs, each given as (parameter values, model level, number k); return a `Point` for each.
 
-        Members are the runs of a design's ensemble. `what` labels a progress bar; without a label there is no bar.
+        Runs k + 1 to k + `plan.members` of the design's ensemble are simulated. A label, `what`, shows a progress bar.
         """
         cells: list[list[Cell]] = []
         for values, level, first in asked:

@@ -40,7 +40,7 @@ class Design:
 
 
 def find_design(bench: Bench, seed: int, progress: bool) -> Design:
-    """Search for the best design by runs on `bench`; confirm it by other members at the finest level; return all."""
+    """Return a `Design`: all designs tried on `bench`; the best is confirmed by new runs at the finest model level."""
     plan = bench.plan
     level, reason = bench.level()
     (today,) = bench.measured([(plan.today(), level, 0)])

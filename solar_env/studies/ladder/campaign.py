@@ -125,7 +125,7 @@ def _drive(simulation: Simulation, torque: float, start: float, window: float) -
 
 @dataclass(frozen=True)
 class LadderPlan:
-    """Plan of measuring the model levels from coarse to fine: levels, numbers of ensemble members, and durations."""
+    """Extent of the measurement of model levels' errors and costs: levels, ensemble sizes, and simulated times."""
 
     panels: tuple[str, ...] = (
         *(f"{elements} elements" for elements in (1, 2, 4, 6, 12)),
@@ -249,7 +249,10 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
 
 
 def _widening(count: int) -> float:
-    """Return a band's widening factor (t quantile / normal quantile) * sqrt(n / (n - 1)), n = `count`; 1 if n = 1."""
+    """Return the factor that widens a bootstrap 95 % band for the mean of n = `count` values; 1 if n = 1.
+
+    It is (Student's t quantile / normal quantile) * sqrt(n / (n - 1)), with quantiles at 97.5 %.
+    """
     if count == 1:
         return 1.0
     share = 0.5 * (1.0 + _COVERAGE)
@@ -257,10 +260,11 @@ def _widening(count: int) -> float:
 
 
 def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
-    """Return the fraction of controller pairs that a level ranks unlike the reference, and its 95 % band's half-width.
+    """Return the fraction of controller pairs that a model ranks unlike the reference, and its 95 % band's half-width.
 
     Oppositely ranked pairs count fully (M. G. Kendall, Biometrika 30 (1938) 81), ties half. `level` and `reference` are
-    (n, controllers, quantities) results of the same n ensemble members; the mean of every quantity gives a ranking.
+    (n, controllers, quantities) results of the same n ensemble members at two model levels. The members' means rank the
+    controllers by each quantity; the fraction is averaged over the quantities.
     """
     share = float(discordant_share(level.mean(axis=0), reference.mean(axis=0)))
     resampled = discordant_share(resampled_means(level), resampled_means(reference))

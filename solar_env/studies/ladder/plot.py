@@ -40,7 +40,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
 
 
 def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
-    """Return a title: per result in `asked`, such as "wear", the cheapest panels with an error up to _TOLERANCE."""
+    """Return a title: per result in `asked`, such as "wear", the fastest panel model with an error up to _TOLERANCE."""
     chosen: dict[str, list[str]] = {}
     for question in asked:
         within = [answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE]

@@ -64,7 +64,10 @@ class LoadsPlan:
 
     @cached_property
     def forms(self) -> Mapping[str, ParameterFile]:
-        """Arrays with other contact laws, each keyed by its bodies in contact, such as "spheres"; only valid ones."""
+        """The array with alternative contact laws; keys name the bodies that a law assumes, such as "spheres".
+
+        A law is left out if the array's parameters, or the ranges of sampled ones, are invalid with the law.
+        """
         own = self.array.parameters.contact_law
         own = own if own in GEOMETRIES else next(iter(GEOMETRIES))
         ranges = {name: pair for name, pair in self.array.randomize.items() if name != "contact_stiffness"}
@@ -78,15 +81,15 @@ class LoadsPlan:
 
     @property
     def asked(self) -> tuple[tuple[Level, ParameterFile], ...]:
-        """Pairs (model level, array) that are simulated for every ensemble member.
+        """Pairs (model level, parameters) that are simulated for every ensemble member, in this order.
 
-        The array runs at the chosen level and the finest; then, at the chosen level, with each other contact law.
+        The array itself runs at the chosen and the finest level; other contact laws then run at the chosen level.
         """
         level, finest = self.levels
         return (level, self.array), (finest, self.array), *((level, form) for form in self.forms.values())
 
     def cell(self, level: Level, parameters: ArrayParameters, ranges: Ranges, member: int) -> Cell:
-        """Return a run's description, the argument of `run_member`, as a record that JSON can hold."""
+        """Return a run's arguments as a record for JSON; ensemble member `member` draws parameters from `ranges`."""
         return {
             "model": level.model,
             "tighter": level.tighter,
@@ -188,7 +191,7 @@ def _never(plan: LoadsPlan, where: str) -> str:
 def gathered(plan: LoadsPlan, results: Sequence[Result]) -> Loads:
     """Return an ensemble's statistics, shock spectra and sensitivities, computed from its runs' results.
 
-    `results` are ordered by ensemble member, then as in `LoadsPlan.asked`. A member with a failed run is left out.
+    `results` hold each member's runs in turn: chosen level, finest, other contact laws. A failed run drops its member.
 
     Raises:
         ValueError: if no run latches all joints, or too many runs have failed.

@@ -24,7 +24,7 @@ _BARS = 8  # greatest number of parameters in a chart of sensitivities
 
 
 def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
-    """Return an ensemble's `Page`; `before`, sentences known without runs, follow its first one; `notes` end it."""
+    """Return an ensemble's `Page`. Sentences `before` follow the first sentence of its text; `notes` close the page."""
     name = f"Nominal array, {loads.plan.levels[0].name}"
     charts = [
         *charts_of({name: nominal.trajectory}),
@@ -42,7 +42,7 @@ def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: 
 
 
 def _hub_charts(nominal: Deployment) -> Iterator[Chart]:
-    """Yield charts of the hub's rotation, and of the greatest force and torque on it between shown samples."""
+    """Yield charts of the hub's rotation, and of peak force and torque on it from each plotted sample to the next."""
     kept, time = shown_samples(nominal.trajectory), nominal.trajectory.time
     turn = np.degrees(nominal.place[kept, 2] - nominal.place[0, 2])
     line = Line("hub", time[kept], turn, COLOURS[0])

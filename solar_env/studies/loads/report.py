@@ -69,7 +69,7 @@ def _worst_of(loads: Loads, names: Iterable[str]) -> dict[str, tuple[str, Figure
 
 
 def worst_joint(figures: Sequence[Figure]) -> int:
-    """Return the index of the joint with the greatest mean, from the statistics of each joint."""
+    """Return the index of the joint with a quantity's greatest mean; `figures` has the statistics at each joint."""
     return max(range(len(figures)), key=lambda j: figures[j].mean if math.isfinite(figures[j].mean) else -math.inf)
 
 
@@ -116,7 +116,10 @@ def what_changes(loads: Loads) -> str:
 
 
 def effect_text(effects: Effects, parameter: str) -> str:
-    """Format an effect: regression coefficient, interval; or a quantity's changes [%] as a parameter falls, rises."""
+    """Format a parameter's effect on a quantity: after a regression, the coefficient and its 95 % half-interval.
+
+    After shifts of one parameter at a time: the quantity's changes [%] as the parameter is lowered, and raised.
+    """
     low, high = effects.low[parameter], effects.high[parameter]
     if math.isfinite(effects.explained):
         return f"{0.5 * (low + high):+.2f} \u00b1 {0.5 * (high - low):.2f}"
@@ -124,7 +127,10 @@ def effect_text(effects: Effects, parameter: str) -> str:
 
 
 def sureness(effects: Effects) -> str:
-    """Return a phrase: the share of variance that a regression explains, or else the change that scatter may cause."""
+    """Return a phrase on how sure effects are: after a regression, the percentage of variance that it explains.
+
+    After shifts of one parameter at a time: the change [%] that scatter between equal arrays may cause.
+    """
     if math.isfinite(effects.explained):
         return f"{100.0 * max(effects.explained, 0.0):.0f} % of the variance explained"
     return f"below {shortened(100.0 * effects.noise)} % is scatter" if effects.noise > 0.0 else "scatter unknown"
@@ -145,7 +151,7 @@ def _with_interval(figure: Figure, quantity: Quantity) -> str:
 
 
 def _quantiles(figure: Figure, quantity: Quantity) -> tuple[str, str]:
-    """Return the 99 % quantile and its upper bound as texts, in digits that their difference allows; "-" if unknown."""
+    """Return texts of the 99 % quantile and its upper bound, rounded by the difference of both; "-" if unknown."""
     quantile, bound = quantity.scale * figure.quantile, quantity.scale * figure.quantile_bound
     return rounded(quantile, bound - quantile), rounded(bound, bound - quantile)
 
@@ -156,7 +162,7 @@ def _with_model_error(figure: Figure, quantity: Quantity) -> str:
 
 
 def _model_error(figure: Figure, quantity: Quantity) -> str:
-    """Format the discretisation error with its interval; "-" where it is unknown."""
+    """Format the discretisation error in `figure`, a quantity's statistics, with its 95 % interval; "-" if unknown."""
     half = quantity.scale * figure.model_half_width
     if not math.isfinite(half):
         return "-"
@@ -210,7 +216,7 @@ def tables(loads: Loads) -> list[Table]:
 
 
 def _changes(loads: Loads) -> Iterator[Table]:
-    """Yield at most one table: the parameters that change each quantity most, at the joint of its greatest mean."""
+    """Yield at most one table: parameters that change a quantity most, at the joint where its mean is greatest."""
     ranks = ("most", "then", "then")
     rows = []
     for name, by_joint in loads.sensitivity.effects.items():
@@ -228,7 +234,7 @@ def _changes(loads: Loads) -> Iterator[Table]:
 
 
 def _joint_rows(loads: Loads, joint: int) -> Iterator[list[str]]:
-    """Yield a joint's table rows, one per quantity; the pin force also has a row for each other contact law."""
+    """Yield a joint's table rows, one per quantity; the pin force has further rows, for alternative contact laws."""
     for name in JOINT_QUANTITIES:
         yield _row(QUANTITIES[name], loads.figures[name][joint])
         for contact, figures in loads.forms.items() if name == "peak_force" else ():

@@ -57,7 +57,7 @@ def member_parameters(parameters: ArrayParameters, ranges: Ranges, member: int) 
 
 
 def deploy(level: Level, parameters: ArrayParameters, member: int, window: float, deadline: float) -> Deployment:
-    """Simulate to `window` [s] after the last latching, or `deadline` [s] if a joint stays open; return a `Deployment`.
+    """Simulate to `window` [s] after the last joint latches, or `deadline` [s] if one does not; return a `Deployment`.
 
     `level` is the level of model detail, from rigid to finely discretised panels. `parameters` belong to the ensemble
     member `member`, whose number also varies the integrator's tolerance.

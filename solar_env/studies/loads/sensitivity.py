@@ -162,7 +162,7 @@ def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mappi
 
 
 def _regressed(columns: Mapping[str, Array], y: Array) -> Effects:
-    """Regress `y` on `columns` (name -> values); return 95 % intervals, low to high, of standardised coefficients."""
+    """Regress `y` on `columns` (name -> values); return `Effects`: 95 % limits by name of standardised coefficients."""
     known = np.isfinite(y)
     count, freedom = int(known.sum()), int(known.sum()) - len(columns) - 1
     unknown = dict.fromkeys(columns, np.nan)

@@ -35,7 +35,7 @@ class Modes:
 
 
 def first_modes(parameters: ArrayParameters, held: bool) -> Modes:
-    """Compute frequencies and shapes of the deployed array's first three modes per wing, with its hub held or free."""
+    """Return `Modes`: frequencies [Hz] and shapes of a deployed array's first 3 * wings modes; `held` fixes the hub."""
     at_rest = parameters.with_changes({"body_fixed": held, "initial_spin": 0.0, "gravity": 0.0})
     deployed = build_deployed(at_rest, _LEVEL)
     first = 0 if held else _RIGID_MOTIONS

@@ -20,7 +20,10 @@ QUANTILE, CONFIDENCE = 0.99, 0.95
 
 @dataclass(frozen=True)
 class Figure:
-    """Statistics of a quantity over an ensemble; nan if runs are too few, quantiles also if a value is not positive."""
+    """Statistics of a quantity over an ensemble of runs.
+
+    Intervals, quantile and bound are nan with fewer than four values; the last two also if a value is not positive.
+    """
 
     mean: float
     low: float  # 95 % interval of the mean
@@ -38,10 +41,10 @@ class Figure:
 
 
 def figure_of(level: Array, finer: Array) -> Figure:
-    """Return mean, 99 % quantile and discretisation error of an ensemble's (n,) values, each with interval or bound.
+    """Return the statistics of an ensemble's (n,) values: mean, 99 % quantile and discretisation error, as a `Figure`.
 
     `level` has the values at a model level, `finer` the same members' at a finer one; nan is left out. The mean of
-    `finer` - `level` is the discretisation error.
+    `finer` - `level` is the discretisation error. Means have 95 % intervals, the quantile a 95 % upper bound.
     """
     values, paired = (members[np.isfinite(members)] for members in (level, finer - level))
     error, low, high = _band(paired)

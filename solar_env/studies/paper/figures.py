@@ -38,7 +38,7 @@ class FourBar(PaperFigure):
     """Figure of the four-bar linkage: crank moment and rocker speed in the last turn, and wear by number of turns."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return rows for runs with clearance, and for a crank turn with ideal joints (`turns` 0); ignore `members`."""
+        """Return rows (quantity, turns, place, value), curves' points; 0 turns mark ideal joints. Ignore `members`."""
         motions = {0: simulate_four_bar(1, with_clearance=False)}
         motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
         rows: list[Row] = []
@@ -72,13 +72,13 @@ class FourBar(PaperFigure):
 
 
 def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]:
-    """Return a row per point: `quantity`, number of crank `turns` (0: ideal joints), place ([s] or [deg]), value."""
+    """Return a row per point: `quantity`, crank `turns` (0 marks ideal joints), abscissa [s] or [deg], value."""
     pairs = zip(places.tolist(), values.tolist(), strict=True)
     return [{"quantity": quantity, "turns": turns, "place": place, "value": value} for place, value in pairs]
 
 
 def _last_turn(motion: Trajectory) -> dict[str, Array]:
-    """Return the driving moment [N m] and the rocker's speed [rad/s] in the last turn, averaged between samples."""
+    """Return (n,) means between samples in the last crank turn: driving moment [N m] and rocker's speed [rad/s]."""
     work = motion.energies["external_work"][-SAMPLES_PER_TURN - 1 :]
     speed = motion.rates[-SAMPLES_PER_TURN - 1 :, -1]
     return {

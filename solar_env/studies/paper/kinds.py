@@ -116,7 +116,7 @@ class DeploymentFigure(PaperFigure):
 
 
 class CaseFigure(DeploymentFigure):
-    """A figure of one deployment, or of two: the second has the paper's contact stiffness Eq 40 ("eq_40_" columns)."""
+    """A plot of one deployment or two. The second has stiffness by the paper's Eq 40, and table columns "eq_40_..."."""
 
     def _columns(self, member: Member) -> dict[str, Array]:
         first, *others = (self._of(member[case]) for case in self.cases)
@@ -172,7 +172,7 @@ class Angles(CaseFigure):
 
 @dataclass(frozen=True)
 class JournalPath(CaseFigure):
-    """A figure of a journal's path (impacts, deployment, after latching) and its x, y in time; `joint` is 0 or 1."""
+    """Five plots of the journal of `joint` (0, 1): path in impacts, in deployment, after latching; x and y in time."""
 
     joint: int
 
@@ -249,7 +249,7 @@ class Torques(ContactForces):
 
 
 class Wear(CaseFigure):
-    """A figure of wear depth round bearings and journals, for contact stiffness by the paper's Table 1 and Eq 40."""
+    """Wear depth round bearings and journals, in two plots: contact stiffness by the paper's Table 1 and by Eq 40."""
 
     ensemble = True
 

@@ -1,4 +1,4 @@
-"""Quantities that test the paper's claims: functions of trajectories, passed in the order in which a claim names them.
+"""Quantities that test the paper's claims; each is a function of the trajectories of a claim's deployments, in order.
 
 `ratio`, `both`, `joint_2_over_1`, `over_joints` and `large_over_small` make such functions from simpler quantities.
 """
@@ -63,7 +63,7 @@ def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
 
 
 def contacts_of(motion: Trajectory, joint: int) -> NDArray[np.void]:
-    """Return a joint's contacts by start time; a contact that lasts to the end of the run gets that time as its end."""
+    """Return a joint's contact records, sorted by start time; a contact still open at the end of the run ends there."""
     contacts = motion.contacts[motion.contacts["joint"] == joint].copy()
     contacts["end_s"] = np.where(np.isnan(contacts["end_s"]), motion.time[-1], contacts["end_s"])
     return contacts[np.argsort(contacts["start_s"], kind="stable")]
@@ -134,7 +134,7 @@ def rank_correlation(a: Array, b: Array) -> float:
 
 
 def decay(motion: Trajectory, joint: int) -> float:
-    """Return the rank correlation of impact speed with time, for a joint's impacts before its first 0.05 s contact."""
+    """Return the rank correlation of a joint's impact speeds with time, before its first contact of 0.05 s or more."""
     initial = contacts_in(motion, joint, 1)
     return rank_correlation(initial["start_s"], initial["impact_speed"])
 
@@ -166,9 +166,9 @@ def time_of_turning(motion: Trajectory, joint: int) -> float:
 
 
 def slide(motion: Trajectory, joint: int) -> float:
-    """Return the greatest angle [deg] by which a journal moves round the wall within 0.1 s (SLIDE) after the latching.
+    """Return the greatest angle [deg] by which a journal moves round its bearing in 0.1 s (SLIDE) after the latching.
 
-    Anticlockwise in the paper is positive. The paper's panels fold to the other side, so the paper's view mirrors ours.
+    Clockwise is positive: in the paper, whose panels fold to the other side, the same motion is anticlockwise.
     """
     angle, start = journal_angle(motion, joint), float(motion.latch_times[joint])
     window = (motion.time >= start) & (motion.time <= start + SLIDE)
@@ -208,14 +208,14 @@ def synchrony(motion: Trajectory) -> float:
 
 
 def burst_rank(motion: Trajectory) -> float:
-    """Return the mean rank by contact force (0 weakest, 1 strongest) of time windows where the paper shows bursts."""
+    """Rank 0.25 s windows after latching by peak contact force, 0 to 1; return the mean rank at the paper's bursts."""
     edges, forces = windows_after_latching(motion), window_forces(motion).max(axis=0)
     ranks = forces.argsort().argsort() / (len(forces) - 1)
     return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
 
 
 def late_bursts(motion: Trajectory) -> float:
-    """Return the joints' greatest contact force after 27.5 s (LAST_BURSTS) divided by the greatest after latching."""
+    """Return the greatest contact force of all joints after 27.5 s divided by the greatest after the first latching."""
     edges = np.array([LAST_BURSTS, motion.time[-1]])
     return max(float(greatest_force(motion, joint, edges)[0]) for joint in JOINTS) / float(
         motion.postlock_peak_force.max()

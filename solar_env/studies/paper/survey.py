@@ -54,7 +54,7 @@ class Finding:
 
 
 def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[CaseRun]:
-    """Return all runs that the claims need, the longest first; each case has `members` runs at the preset itself."""
+    """Return all runs that claims need, longest first: `members` per deployment, and some with other parameters."""
     runs = [CaseRun(case, member) for claim in claims for case in claim.cases for member in range(members)]
     for claim in claims:
         for parameter in claim.open_parameters:
@@ -140,7 +140,7 @@ def as_markdown(findings: Sequence[Finding]) -> str:
 
 
 def _places(finding: Finding) -> str:
-    """Return a text: for each parameter left open, values at which the claim holds, then "not" and values that fail."""
+    """Return a text: per parameter that the paper leaves open, values where the claim holds, "not", the others."""
     places = []
     for name, held in finding.holds_for.items():
         failed = finding.fails_for[name]

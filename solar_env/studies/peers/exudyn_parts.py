@@ -70,7 +70,7 @@ class PeerArray(ABC):
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:
-        """Add to the system spring and cable torques on `nodes`; `to_angles` (2, n) maps coordinates to angles."""
+        """Add spring and cable torques to the system; `to_angles` (2, n) maps coordinates of `nodes` to both angles."""
         p = self.p
         springs = [p.by_joint("spring_stiffness", j) for j in (0, 1)]
         relaxed = [p.by_joint("spring_preload_angle", j) for j in (0, 1)]
@@ -115,7 +115,7 @@ class PeerArray(ABC):
                 self.contacts.append(system.AddSensor(sensor))
 
     def watch(self, *coordinates: tuple[int, int, float]) -> None:
-        """Store `coordinates` (node, index, reference value) in `watched`, and add sensors of these and their rates."""
+        """Store `coordinates` (node, index, reference to add) in `watched`; add nodes' coordinate and rate sensors."""
         self.watched = list(coordinates)
         for node, _, _ in coordinates:
             if node not in self.sensors:
@@ -129,7 +129,7 @@ class PeerArray(ABC):
                 self.sensors[node] = place, rate
 
     def _add_latches(self, coordinates: list[tuple[int, int]]) -> None:
-        """Add latches to pairs of marker numbers; assemble. A latch engages at the first step past its lock angle."""
+        """Add a latch between each joint's two markers, engaged from the first step past its lock angle; assemble."""
         system, latch_times, objects = self.system, self.latch_times, []
         locks = [joint.lock_angle for joint in self.p.joints]
         for j, pair in enumerate(coordinates):

@@ -122,7 +122,7 @@ def _means(ensemble: list[Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Plot wall time against errors (ideal joints) and ensemble means (clearance); return paths of plot and tables."""
+    """Plot wall time against errors (ideal joints) and ensemble means (clearance), write tables; return both paths."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):
@@ -179,7 +179,7 @@ def conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Return Markdown tables of errors and means by model level; if levels are many, only of those in `_ON_PAGE`."""
+    """Return Markdown tables by level: errors (ideal joints), ensemble means (clearance); if many, only `_ON_PAGE`."""
     shown = [row for row in rows.rows if len(rows.rows) <= len(_ON_PAGE) or row["level"] in _ON_PAGE]
     errors = [
         [str(row["level"]), f"{number(row, 'wall_ideal_s'):.3g}", *(f"{number(row, error):.1e}" for error in ERRORS)]

@@ -47,11 +47,11 @@ class Method:
         return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
-        """Return a deployment's `Motion` at a step or tolerance, with the panels that the method prescribes, if any."""
+        """Return a deployment's `Motion` at a step [s] or tolerance, with the method's own `panels`, if given."""
         return self.program(self.scene(scene), setting)
 
     def scene(self, scene: Scene) -> Scene:
-        """Return the deployment with the flexible panels that the method prescribes; unchanged without such."""
+        """Return the deployment with flexible panels as in `panels`, such as "32 modes"; unchanged if that is empty."""
         return replace(scene, model=with_panels(scene.model, self.panels)) if self.panels else scene
 
     def size(self, scene: Scene) -> str:
@@ -65,7 +65,10 @@ def ours(make: Callable[[float], Integrator]) -> Program:
 
 
 def exudyn(solver: str) -> Program:
-    """Return a function that maps a deployment and a step [s] to Exudyn's `Motion`; Exudyn is imported when called."""
+    """Return a function that simulates a deployment by Exudyn at a given step [s] and returns a `Motion`.
+
+    `solver` is "explicit" or "generalized-alpha". The returned function imports Exudyn when it is called.
+    """
 
     def solve(scene: Scene, setting: float) -> Motion:
         from solar_env.studies.peers.exudyn_runs import run_exudyn

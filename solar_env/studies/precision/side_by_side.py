@@ -1,8 +1,8 @@
 """Wall times of whole deployments by this library, and by Exudyn at its cheapest settings, compared at equal error.
 
-Errors include the panel models' errors, because users get the sum. With flexible panels, angles and latch times are
-compared with beams of 24 elements, four times as many as in Exudyn's runs. Peak forces are compared with means of
-a converged ensemble: more modes or a tighter tolerance would not change them (study `convergence`).
+Errors include both the integrator's and the panel model's, because users get the sum. With flexible panels, angles and
+latch times are compared with beams of 24 elements, four times as many as in Exudyn's runs. Peak forces are compared
+with means of a converged ensemble: more modes or a tighter tolerance would not change them (study `convergence`).
 """
 
 import math
@@ -101,7 +101,10 @@ def _job(plan: ChartPlan, case: Case) -> Job:
 
 
 def runs(plan: ChartPlan) -> dict[Case, Job]:
-    """Return the jobs: reference and all methods; with clearance also ensembles, and Exudyn runs that record forces."""
+    """Return the simulations to time (`Job`) by `Case`: for every model a reference run, and runs of all methods.
+
+    With hinge clearance, ensembles of our runs and Exudyn runs that record forces are added to compare peak forces.
+    """
     cases: list[Case] = []
     for model in plan.models:
         ours = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OURS[model])]
@@ -116,7 +119,7 @@ def runs(plan: ChartPlan) -> dict[Case, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
-    """Return a row per model, method and setting: cost, errors, peak forces divided by the converged ensemble's."""
+    """Return a row per model, method and setting: wall times, errors, peak forces / the most accurate ensemble's."""
     rows: list[Row] = []
     for case, result in results.items():
         if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE):
@@ -150,7 +153,7 @@ def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
 
 
 def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
-    """Return, by joint, mean peak force divided by the reference ensemble's, and standard error; nan if unrecorded."""
+    """Return each joint's ratio of mean peak forces, case / converged ensemble, and its standard error, or nan."""
     means, errors = np.full(2, math.nan), np.full(2, math.nan)
     forces, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
     if len(forces) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
@@ -192,7 +195,7 @@ def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """Return a title with each model's least ratio of Exudyn's wall time to this library's at no larger errors."""
+    """Return a title with each model's least wall-time ratio, Exudyn's / ours, with our errors at most Exudyn's."""
     least: dict[str, float] = {}
     for row in rows.where(peer=1).rows:
         ratio = ratio_at_equal_error(rows, row)
@@ -204,7 +207,7 @@ def _conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Return two Markdown tables: one for this library's default settings, one for Exudyn's settings."""
+    """Return two Markdown tables of wall time, errors and peak forces: runs at our default settings; Exudyn's runs."""
     ours = [[str(row["model"]), str(row["panels"]), *_cells(row)] for row in rows.where(method=DEFAULT).rows]
     peer = []
     for row in rows.where(peer=1).rows:

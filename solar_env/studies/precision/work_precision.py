@@ -100,7 +100,7 @@ def errors_of(motion: Motion | None, right: Motion, plan: ChartPlan) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Plot kinds of cost (rows of axes) against error by model (columns); write a Markdown table; return both files."""
+    """Plot costs against angle error, one subplot per cost and model; write a Markdown table; return both files."""
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     models = rows.values("model")
     figure, axes = make_figure(len(COSTS), len(models), (max(2.15, 6.4 / len(models)), 1.9), len(looks))
@@ -142,8 +142,8 @@ def cheapest(rows: Table) -> Mapping[str, Cell] | None:
 def order(rows: Table) -> float:
     """Return a method's observed order p: errors go as n^-p with n steps, or n evaluations where steps are unknown.
 
-    The order is fitted by least squares to the three finest settings with errors well above the reference's own error.
-    The order is nan if fewer settings qualify, and with clearance, where impacts bound the errors.
+    `rows` are one method's settings. The order is fitted by least squares to the three finest with errors well above
+    the reference's own error. It is nan if fewer qualify, or with clearance, where chaos, not step size, sets errors.
     """
     steps, errors = rows.column("steps"), rows.column(ERROR)
     counts = np.where(np.isfinite(steps), steps, rows.column("evaluations"))
@@ -156,7 +156,7 @@ def order(rows: Table) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """Return a title with the cheapest method for each model whose angle error is GOAL or less."""
+    """Return a title that names each model's fastest method among those with an angle error of GOAL or less."""
     best: dict[str, list[str]] = {}
     for model in rows.values("model"):
         row = cheapest(rows.where(model=model))
@@ -179,7 +179,7 @@ def _page(rows: Table) -> str:
 
 
 def _least(rows: Table) -> str:
-    """Format a method's least wall time [s] at an angle error up to GOAL, and convergence order; "" without rows."""
+    """Return text such as "0.2 (4.9)": least wall time [s] at an angle error up to GOAL, and order; "" without rows."""
     row = cheapest(rows)
     found = order(rows) if rows.rows else math.nan
     words = f"{row['wall_s']:.3g}" if row else "not reached" if rows.rows else ""

@@ -38,8 +38,8 @@ def creep_speed(speed_zero: float, speed_full: float) -> float:
 def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
     """Simulate a loaded journal that creeps under half the limiting friction torque, and return its trajectory.
 
-    Friction rises from zero at the sliding speed `speed_zero` [m/s] to its limit at `speed_full`. The map's subplot
-    `panel` names the integrator: "runge-kutta" or "generalized-alpha, step 0.1 ms".
+    Friction rises from zero at the sliding speed `speed_zero` [m/s] to its limit at `speed_full`. The text `panel`
+    selects the integrator, and titles a subplot: "runge-kutta" or "generalized-alpha, step 0.1 ms".
     """
     bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, FRICTION, (speed_zero, speed_full))
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
@@ -60,10 +60,10 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
 
 
 def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Finding:
-    """Simulate a journal under half the friction limit; return its sliding speed [m/s] and a class such as "creeps".
+    """Simulate a journal under half the limiting friction torque; return sliding speed [m/s] and class like "creeps".
 
-    Friction rises from zero at the sliding speed `speed_zero` [m/s] to its limit at `speed_full`. The map's subplot
-    `panel` names the integrator: "runge-kutta" or "generalized-alpha, step 0.1 ms".
+    Friction rises from zero at the sliding speed `speed_zero` [m/s] to its limit at `speed_full`. The text `panel`
+    selects the integrator, and titles a subplot: "runge-kutta" or "generalized-alpha, step 0.1 ms".
     """
 
     def judge(run: Trajectory) -> Finding:

@@ -39,7 +39,7 @@ _FLIGHT = 50.0  # time of flight to the wall divided by the duration of an impac
 
 
 def contact_duration() -> float:
-    """Return the duration [s] of the block's first impact, without damping."""
+    """Return the duration [s] of an undamped Hertzian impact of a block (MASS at SPEED) on a wall."""
     return _UNDAMPED.impact_scales(_UNDAMPED.parameters(), 1.0 / MASS, SPEED)[1]
 
 

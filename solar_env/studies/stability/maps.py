@@ -57,7 +57,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of a stability map's simulation: outcome, computed value (nan after an error), this library's report."""
+    """Result of a map's run: outcome, map's quantity (nan after an error), any error, warning or other indication."""
 
     kind: Kind
     value: float
@@ -94,14 +94,17 @@ class StabilityMap:
         return {**place, "limit": self.limit(panel, y), "said": cell.said, "message": cell.message}
 
     def description(self) -> dict[str, str]:
-        """Return the texts that a plot needs besides the table's rows; they are stored in the table's provenance."""
+        """Return a plot's texts by name: title, columns and labels of the axes, meaning of value and limit, advice."""
         axes = {"x": self.x.column, "y": self.y.column, "x label": self.x.label, "y label": self.y.label}
         texts = {"value": self.quantity, "limit": self.limit_label, "advice": self.advice}
         return {"title": self.title, **axes, **texts}
 
 
 def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Finding:
-    """Call `run`; classify its result with `judge`, or the error that it raises; return the finding, with warnings."""
+    """Return `judge(run())`; any warnings become its report.
+
+    If `run` raises a SimulationError or ValueError, return a finding with the error's class and text and a nan value.
+    """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
         try:

@@ -1,4 +1,4 @@
-"""Ranges of the parameters: runs with each parameter varied over eight decades, and what this library reports."""
+"""Ranges of the parameters: runs with each varied over eight decades, and whether they end well, warned or stopped."""
 
 import warnings
 from collections.abc import Callable
@@ -67,7 +67,7 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
 
 
 def measure(path: Path, tick: Callable[[], object]) -> None:
-    """Simulate all combinations of parameter, model and factor, and write the table; call `tick` after each run."""
+    """Simulate every model with every parameter times every factor; write outcomes to `path`; call `tick` per run."""
     rows = []
     for name in NAMES:
         for model in MODELS:

@@ -1,4 +1,4 @@
-"""List of all stability maps, and measurement of a map into a table."""
+"""List of all stability maps, and simulation of a map's runs, whose outcomes are written to a table."""
 
 from collections.abc import Callable
 from pathlib import Path

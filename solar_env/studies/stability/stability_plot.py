@@ -27,7 +27,7 @@ _IN_A_LINE = 6  # classes in a line of the legend
 
 
 def draw_map(table_path: Path, figure_path: Path) -> None:
-    """Plot a stability map from its CSV table: cells with outcome and value, a theoretical limit, legend and advice.
+    """Plot a stability map from its CSV table: outcome and value of each run, theoretical limit, remedy for failures.
 
     Raises:
         ValueError: if the table is not a map's table.

@@ -1,11 +1,13 @@
-"""Stability maps of integration steps: index-3 multipliers after a change of the step, and bounces in stiff stops.
+"""Stability maps of integration steps: index-3 multipliers after a change of the step, and bounces in stiff latches.
 
-A pendulum swings for a second; then the step changes, and the library solves accelerations and multiplier afresh. The
-multiplier is compared with the tension that follows from position and velocity: the length constraint's multiplier is
-m (v^2 - g . r) / L^2. With rho_inf = 1 an error of the multipliers grows (A. Cardona and M. Geradin, Comput. Struct. 33
-(1989) 801, doi:10.1016/0045-7949(89)90255-6).
+The first map varies new / old step and the rho_inf of generalized-alpha. A pendulum swings for a second; then the step
+changes, and the library solves accelerations and multiplier afresh. The multiplier is compared with the tension that
+follows from position and velocity: the length constraint's multiplier is m (v^2 - g . r) / L^2. With rho_inf = 1 an
+error of the multipliers grows (A. Cardona and M. Geradin, Comput. Struct. 33 (1989) 801,
+doi:10.1016/0045-7949(89)90255-6).
 
-An undamped latch conserves energy. The ratio of final to initial energy shows the method's own gain or loss.
+The second map varies the step and a latch's stiffness. A link swings into the latch, an undamped stop that conserves
+energy. The ratio of final to initial energy shows the method's own gain or loss.
 """
 
 import math
@@ -29,9 +31,9 @@ MOST_STEPS = 300_000
 
 
 def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
-    """Return (STEPS,) errors of a pendulum's constraint force, divided by the greatest force, after a step change.
+    """Return (STEPS,) errors of a pendulum's constraint force, divided by the greatest force, after a step-size change.
 
-    The step of generalized-alpha changes from FIRST_STEP [s] to `ratio` * FIRST_STEP.
+    The time step of generalized-alpha changes from FIRST_STEP [s] to `ratio` * FIRST_STEP.
     """
     simulation = Simulation(pendulum(), GeneralizedAlpha(step=FIRST_STEP, rho_inf=rho_inf))
     simulation.advance(CHANGE_TIME)
@@ -62,7 +64,7 @@ def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Finding:
 
 
 def swinging_link(stiffness: float) -> Mechanism:
-    """Return a link that turns about a fixed hinge into a latch: an undamped linear stop with `stiffness` [N m/rad]."""
+    """Return a link that turns about a fixed hinge until an undamped linear latch of `stiffness` [N m/rad] stops it."""
     stop = Stop(GAP, stiffness, exponent=1.0, ramp_depth=1e-3, damping=0.0)
     joint = Joint("hinge", GROUND, "link", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=LOCK)
     return Mechanism((Link(1.5, 6.0, INERTIA - 6.0 * 0.75**2).body("link", 0j, 0.0, 0j, RATE),), (joint,))
@@ -74,11 +76,11 @@ def impact_time(stiffness: float) -> float:
 
 
 def measure_latch(panel: str, step: float, stiffness: float) -> Finding:
-    """Simulate a link in an undamped latch of `stiffness` [N m/rad]; return final / initial energy, and a class.
+    """Simulate a link in an undamped latch of `stiffness` [N m/rad]; return final energy / initial energy, and a class.
 
-    `panel` names the integrator; `step` [s] is its fixed or longest step. The energy's error gives the class, such as
-    "fine" (up to 2 %) or "growing". The class is "wrong value" if the energy is fine, but the link's greatest depth in
-    the stop is more than 2 % off the closed form.
+    The text `panel`, such as "runge-kutta", selects the integrator; `step` [s] is its fixed or longest step. The
+    energy's error gives the class, such as "fine" (up to 2 %) or "growing". The class is "wrong value" if the energy is
+    fine, but the link's greatest depth in the stop is more than 2 % off the closed form.
     """
     duration = LATCH_TIME + 2.0 * impact_time(stiffness)
     method: Integrator = RungeKutta(max_step=step, max_steps=MOST_STEPS)

@@ -41,7 +41,7 @@ def moments(model: str) -> tuple[State, ...]:
 
 
 def placements(model: str, lanes: int) -> list[list[State]]:
-    """Return lists of `lanes` saved simulation states, one per environment; together they hold all 128 (MOMENTS)."""
+    """Return lists of `lanes` states, one per environment; together they hold all 128 saved states of a deployment."""
     every = moments(model)
     return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
@@ -145,7 +145,7 @@ def measure_threads(model: str) -> dict[str, float]:
 
 
 def measure_peers(model: str) -> dict[str, float]:
-    """Measure our throughput divided by Gymnasium's and Stable-Baselines3's, with COMPARED_LANES environments each."""
+    """Return {name: our speed / its speed} for SyncVectorEnv and SubprocVecEnv, each of COMPARED_LANES environments."""
     from stable_baselines3.common.vec_env import SubprocVecEnv
 
     chosen = spread(model, COMPARED_LANES)
@@ -171,7 +171,10 @@ def measurements(models: Iterable[str]) -> list[tuple[str, Callable[[], dict[str
 
 
 def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
-    """Return Markdown tables of steps per second, and of ratios and compiled fraction (model -> name -> value)."""
+    """Return Markdown tables of measured speeds, given as model -> name -> value.
+
+    Values are steps per second, ratios to one thread and other vector environments, and fraction of compiled time.
+    """
     threads = available_processors()
     rates = [(model, *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES)) for model, measured in figures.items()]
     ratios = [

@@ -1,4 +1,4 @@
 """Repeated deployments, in which wear enlarges the clearances of later deployments.
 
-`repeated` measures the deployments, `plot` draws their table. Imports `common`.
+`repeated` simulates the deployments and tabulates them, `plot` draws a figure from the table. Imports `common`.
 """

@@ -1,4 +1,4 @@
-"""Plot of repeated deployments, from their table alone."""
+"""Plot of clearance, wear and peak force against the number of deployments, from a table without new simulations."""
 
 from pathlib import Path
 

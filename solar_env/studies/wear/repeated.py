@@ -2,9 +2,10 @@
 
 Wear is so small that many deployments pass before it changes the clearance and the motion. Successive deployments that
 together change no clearance by more than a given fraction form a group, and only the group's first deployment is
-simulated. Its wear predicts the clearance of the next group, whose wear corrects the prediction: within a group, wear
-per deployment is linear in the deployment's number (Heun's method). The clearance grows by the sum of the mean wear
-depths round bearing and journal: the gap gains the worn volume, and stays round as the contact law requires.
+simulated. Its wear, times the group's size, predicts the clearance in which the next group's first deployment is
+simulated. The wear found there corrects the clearance that is carried on: within a group, wear per deployment is taken
+as linear in the deployment's number (Heun's method). The clearance grows by the sum of the mean wear depths round
+bearing and journal: the gap gains the worn volume, and stays round as the contact law requires.
 """
 
 import math
@@ -60,7 +61,7 @@ def measure_repeated(deployments: int, workers: int, console: Console) -> list[R
 def wear_campaign(
     parameters: ArrayParameters, deployments: int, growth: float, members: int, workers: int = 1
 ) -> Iterator[Deployment]:
-    """Simulate a campaign of repeated deployments, and yield every simulated deployment.
+    """Simulate a campaign of repeated deployments; yield for each simulated one a record of ensemble means and errors.
 
     Args:
         parameters: parameters of the unworn array.

@@ -36,7 +36,7 @@ THREE: dict[str, Any] = {"panel_count": 3, "cable_stiffness": 5e3, "cable_preloa
 
 
 def _run(duration: float, model: str = "rigid-ideal", step: float = 0.5, **changes: Any) -> Trajectory:
-    """Return an array's trajectory with changed parameters; `step` [s] is output interval and greatest time step."""
+    """Simulate the default array with `changes` applied; `step` [s] is output interval and greatest time step."""
     method = RungeKutta(rtol=1e-10, max_step=step)
     return simulate(build(ArrayParameters(**changes), model), duration, integrator=method, output_step=step)
 
@@ -104,7 +104,7 @@ def _openings() -> Iterator[Check]:
 
 
 def _hold_downs() -> Iterator[Check]:
-    """Check latch times of panels released in turn, and of light yokes that open with a panel held at 0.1 rad."""
+    """Check latch times of panels released in turn, and of light yokes whose panel stays held 0.1 rad out of line."""
     times = _run(
         60.0, body_fixed=True, cable_stiffness=0.0, release_time=(3.0, 20.0), release_after=(0, 1), latch_gap=0.0,
         spring_preload_angle=(2.0, 3.5), latch_stiffness=1e5, latch_damping=1e3, latch_ramp_depth=1e-6,

@@ -62,7 +62,7 @@ def spin_up() -> Iterator[Check]:
 
 
 def falling_pendulum() -> Iterator[Check]:
-    """Check the tips of two flexible pendulums released from the horizontal: one published, one stiffer and damped."""
+    """Check tip positions of falling flexible pendulums: one against published values, one against another theory."""
     elements = 32
     mechanism = flexible_pendulum(PENDULUM_BEAM, elements)
     simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))

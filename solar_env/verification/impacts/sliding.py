@@ -37,7 +37,7 @@ def _bearing() -> Bearing:
 
 
 def friction_creep() -> Iterator[Check]:
-    """Check the creep speed of a journal under a torque below the friction limit, which friction balances."""
+    """Check speed and forces of a slowly sliding journal whose friction balances a torque below the friction limit."""
     integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=1e-4))
     for integrator in integrators:
         for share in (0.3, 0.9):

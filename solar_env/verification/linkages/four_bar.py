@@ -68,9 +68,10 @@ def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: 
 def four_bar_state(
     crank: Link, coupler: Link, rocker: Link, ground_length: float, rate: float, angle: float, gravity: float
 ) -> LinkageState:
-    """Return motion and forces of the uncrossed four-bar linkage at a crank angle [rad] and rate [rad/s].
+    """Return motion and forces of the uncrossed four-bar linkage at a crank angle [rad] and constant rate [rad/s].
 
-    The ground pins are `ground_length` [m] apart, and `gravity` [m/s2] acts along -y.
+    The `LinkageState` holds the rocker's angle, rate and angular acceleration, the crank's moment, and forces x + i y
+    of the pins, in SI units. The ground pins are `ground_length` [m] apart, and `gravity` [m/s2] acts along -y.
     """
     pin = cmath.rect(crank.length, angle)
     # Freudenstein: the triangle on the diagonal from the rocker's ground pin to the crank pin gives the rocker's angle.
@@ -117,7 +118,7 @@ def four_bar_state(
 
 
 def rocker_state(turned: float) -> LinkageState:
-    """Return rocker motion, crank moment and pin forces when the ideal linkage's crank has turned by `turned` [rad]."""
+    """Return the `LinkageState` (rocker motion, crank moment, pin forces) at a crank rotation of `turned` [rad]."""
     return four_bar_state(*FOUR_BAR, FOUR_BAR_START + turned, STANDARD_GRAVITY)
 
 

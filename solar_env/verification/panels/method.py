@@ -36,7 +36,8 @@ def _swing(bearing: Bearing | None) -> Mechanism:
 def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
     """Return errors (halvings + 1, 3) of motion, spring torques and reactions after 0.256 s; each row halves the step.
 
-    Errors are differences from the same integrator at a much smaller step. All runs start from one smooth state.
+    Errors are Euclidean norms, in SI units, of differences from the same integrator at a much smaller step. All runs
+    start from one state, in which vibrations have decayed.
     """
     coarse, duration, settling = 0.004, 0.256, 0.5
     settled = start(mechanism, rtol=1e-8)

@@ -165,7 +165,7 @@ def _turning(
 
 
 def spin_up() -> Iterator[Check]:
-    """Check the tip of a hinged panel that a torque spins up, within the modal theory's valid range and outside."""
+    """Check a spun-up hinged panel's tip path against ANCF elements, and warnings beyond the modal theory's range."""
     inertia, end = PANEL.mass * PANEL.length**2 / 3.0, 0.6
     # The slow spin raises the lowest frequency by up to 1e-3, and its vibration's phase by a few times as much;
     # the fast spin raises the frequency by up to 0.03.

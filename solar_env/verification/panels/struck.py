@@ -58,7 +58,7 @@ class Struck:
 
 
 def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: float) -> Struck:
-    """Return contact forces over time, and the striker's exit speed, of an axial impact on one end of a free bar.
+    """Return times, contact forces and the striker's exit speed (`Struck`) for an axial impact on an end of a free bar.
 
     The far end reflects waves as tension. Under the contact force F the struck end has the speed
     F(t) / z + 2 sum_n F(t - n T) / z, T = 2 length / wave_speed (J. N. Goodier and S. P. Timoshenko, Theory of
@@ -110,7 +110,7 @@ def struck_bar(impact: Impact, length: float, impedance: float, wave_speed: floa
 
 
 def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> Struck:
-    """Return contact forces over time, and the striker's exit speed, of an impact across a free beam's first end.
+    """Return times, contact forces and striker's exit speed (`Struck`) of an impact across a free beam's first end.
 
     The response of the beam's modes to a piecewise linear force is exact. The force at the end of every step solves one
     scalar equation. The error falls with the square of the step.

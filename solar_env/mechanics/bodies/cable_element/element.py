@@ -2,9 +2,9 @@
 
 Every node has a position r and a slope r' = dr/ds, both in inertial axes, and the centreline is a cubic polynomial
 between nodes (J. L. Escalona, H. A. Hussien and A. A. Shabana, J. Sound Vib. 214 (1998) 833,
-doi:10.1006/jsvi.1998.1563; paper, Eqs 16-30). The mass matrix is constant and banded. The strains are the extension
-eps = |r'| - 1 and the turn of the tangent per undeformed length, kappa = (r' x r'') / |r'|^2 (J. Gerstmayr and
-H. Irschik, J. Sound Vib. 318 (2008) 461, doi:10.1016/j.jsv.2008.04.019: other curvature measures couple stretch and
+doi:10.1006/jsvi.1998.1563; Li et al. 2019, Eqs 16-30). The mass matrix is constant and banded. The strains are the
+extension eps = |r'| - 1 and the turn of the tangent per undeformed length, kappa = (r' x r'') / |r'|^2 (J. Gerstmayr
+and H. Irschik, J. Sound Vib. 318 (2008) 461, doi:10.1016/j.jsv.2008.04.019: other curvature measures couple stretch and
 bending falsely). Material damping is proportional to the strain rates, so that rigid rotation is not damped.
 """
 
@@ -26,7 +26,7 @@ from solar_env.mechanics.numerics.profile import add_entry
 
 
 class CableElements(BodyKind[FlexibleBody]):
-    """Kind of flexible beams that consist of equal cable elements."""
+    """Body kind "flexible beam of equal cable elements"; an instance turns descriptions of such beams into arrays."""
 
     description = FlexibleBody
     body_fields: ClassVar[Fields] = [
@@ -193,7 +193,7 @@ def solve_mass(body, constants, force, a):
 
 @kernel(inlined=False)
 def kinetic_energy(body, constants, v):
-    """Return the kinetic energy [J] of a beam from the velocities `v` (n,)."""
+    """Return a beam's kinetic energy [J] from the mechanism's velocities `v` (n,); `constants` has mass matrices."""
     total = 0.0
     for i in range(body.coordinates // 2):
         x = body.offset + 2 * i

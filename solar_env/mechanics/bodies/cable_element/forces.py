@@ -75,13 +75,11 @@ def add_bending_point(point, x, bending, damping, f):
 
 @kernel
 def element_forces(lanes, constants, table):
-    """Compute the internal forces of a block of elements in `table`, several elements at a time in vector registers.
-
-    For vectorization the loop has no branch, quadrature points are written out, and strides in `table` are constant.
+    """Compute the internal forces of elements in `table`, in a loop that vectorizes: written out, constant strides.
 
     Args:
         lanes: number of elements, each of which has a column of `table`.
-        constants: (3 * LANES,) E A L, E I / L and retardation time by element.
+        constants: (3 * LANES,) rows E A L [N m], E I / L [N m] and retardation time [s], a column per element.
         table: (TABLE_ROWS * LANES,) rows. The first twelve (chord and slopes, then their rates) are read. The last
             seven are written: generalized forces of chord and slopes, viscous part included, and damping power [W].
     """
@@ -121,7 +119,7 @@ def element_forces(lanes, constants, table):
 
 @kernel(inlined=False)
 def add_elastic_forces(elements, q, v, force, table):
-    """Add all beams' internal forces to `force` (n,), using `table` (TABLE_ROWS * LANES,); return damping power [W]."""
+    """Add the internal forces of all beams to `force` (n,); return damping power [W]. The array `table` is scratch."""
     total = 0.0
     for block in range(elements.offset.shape[0]):
         offset, inverse_length = elements.offset[block], elements.inverse_length[block]

@@ -24,7 +24,7 @@ _POINTS = len(AXIAL) + 4 * len(BENDING)
 
 
 class ElementSlopes(NamedTuple):
-    """Work arrays of `add_elastic_tangents`: tables stored row by row, with a column for each of COLUMNS elements."""
+    """Work arrays for derivatives of internal forces: a row per component, a column per element, COLUMNS at a time."""
 
     motion: NDArray[np.float64]  # 12 rows: chord and slopes, then their rates
     local_stiffness: NDArray[np.float64]  # 4 rows for each of the _POINTS blocks
@@ -45,11 +45,11 @@ def make_element_slopes() -> ElementSlopes:
 
 
 def _expansion() -> NDArray[np.float64]:
-    """Return the weights (9, _POINTS) of derivatives at quadrature points in the derivatives of an element's forces.
+    """Return weights (9, _POINTS) that turn force derivatives at quadrature points into an element's force derivatives.
 
-    Row 3 i + j is for the derivative of force i with respect to vector j: 0 is the chord, 1 and 2 are end slopes. Each
-    axial point has one column, for the force conjugate to r' and its derivative with respect to r'. Each bending point
-    has four, for these pairs of force and derivative: (r', r'), (r', L r''), (L r'', r'), (L r'', L r'').
+    Row 3 i + j is for the derivative of force i with respect to vector j: 0 is the chord, 1 and 2 are end slopes. First
+    comes a column per axial point, for the force conjugate to r' and its derivative with respect to r'. Then come four
+    per bending point, for these pairs of force and variable: (r', r'), (r', L r''), (L r'', r'), (L r'', L r'').
     """
     rows = []
     for i in range(3):
@@ -67,11 +67,12 @@ _EXPANSION = _expansion()
 
 @kernel
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Compute 2 x 2 derivatives of the axial force conjugate to r' = dr/ds at a quadrature `point`, a row of `AXIAL`.
+    """Compute 2 x 2 derivatives of the axial force conjugate to r' = dr/ds at one quadrature point of `lanes` elements.
 
-    Derivatives with respect to r' go to `stiffness`, derivatives with respect to the rate of r' go to `viscosity`. Each
-    matrix entry is a row of COLUMNS elements, of which the first `lanes` are computed. `table` has twelve such rows: x
-    and y of chord and end slopes, then their rates. `constants`: rows of E A L, E I / L and retardation time [s].
+    They go to four rows (xx, xy, yx, yy) of `stiffness`, with respect to r', and of `viscosity`, with respect to the
+    rate of r'. A row has COLUMNS elements. The twelve rows of `table` are x and y of chord, first and second end slope,
+    then their rates. `point` is (d, a, b, ..., w): r' is d * chord + a * (first slope) + b * (second slope), and w is
+    the quadrature weight. `constants`: rows of LANES values E A L, E I / L [N m] and retardation time [s].
     """
     d, a, b, _, _, _, w = point
     for i in range(lanes):
@@ -171,10 +172,11 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _expand(lanes, local, found):
-    """Sum derivatives of forces at quadrature points, with the weights `_EXPANSION`, for a number `lanes` of elements.
+    """Compute force derivatives of `lanes` elements as weighted sums of force derivatives at quadrature points.
 
-    `local` holds _POINTS matrices of 2 x 2 derivatives with respect to r' and L r'', each as four rows of elements.
-    `found` gets 36 such rows: 6 x 6 derivatives of the forces on chord and end slopes with respect to these vectors.
+    `local` holds _POINTS 2 x 2 matrices, derivatives of forces conjugate to r' = dr/ds or L r'' with respect to r' or
+    L r'' (L: element length). Each matrix entry is a row of elements. `found` gets 36 such rows: 6 x 6 derivatives
+    of the forces conjugate to chord, first and second end slope with respect to chord and end slopes.
     """
     for pair in range(9):
         weights = _EXPANSION[pair]
@@ -195,9 +197,10 @@ def _expand(lanes, local, found):
 
 @kernel
 def _scatter(elimination, matrix, k, inverse, slopes, i):
-    """Add the force derivatives of element `i`, column `i` of the 36 rows `slopes`, to a profile `matrix`.
+    """Add the 6 x 6 derivatives of element `i`'s forces on chord and end slopes to the profile `matrix` of coordinates.
 
-    `elimination` gives the matrix's order of unknowns, `k` is the element's first coordinate, `inverse` is 1 / length.
+    They are column `i` of the 36 rows in `slopes`. `elimination` gives the order of unknowns in `matrix`, `k` is the
+    index of the element's first coordinate, and `inverse` is 1 / length, the factor between nodal positions and chord.
     """
     inner, outer = elimination.position[k] // BLOCK, elimination.position[k + BLOCK] // BLOCK
     cross = elimination.base[outer] + inner

@@ -205,9 +205,10 @@ def solve_step(model, state, it, work, settings, h):
 
 @kernel
 def restart(model, state, it, work, settings, h):
-    """Recompute accelerations and multipliers in `state`; project the step's start in the arrays `it` on constraints.
+    """Restart with a step `h` [s]: project its start onto the constraints, and recompute accelerations in `state`.
 
-    The auxiliary accelerations are those (alpha_m - alpha_f) `h` [s] later. Return False if constraints are singular.
+    `it.start_q` and `it.start_v` are projected in place. `state` gets the accelerations and multipliers there, and as
+    auxiliary accelerations those at (alpha_m - alpha_f) `h` after the start. Return False for singular constraints.
     """
     q0, v0, time = it.start_q, it.start_v, state.clock[0].time
     # Velocities violate the constraints by O(h^2), which would cause forces of O(h^2 / new step) in a shorter step.
@@ -284,7 +285,7 @@ def prepare(model, state, arrays):
 
 @kernel
 def engage_stops(model, state, arrays):
-    """Engage all stops: Newton's iteration lets a stop act wherever its angle is reached, even inside a step."""
+    """Mark all joints' stops as engaged in `state`: each then exerts its torque wherever its angle is reached."""
     for j in range(model.joints.size):
         state.joints[j].stop_engaged = 1
 
@@ -309,7 +310,7 @@ def begin_alpha(model, state, settings, arrays):
 
 @kernel
 def choose_alpha(model, state, settings, arrays, remaining):
-    """Return `settings.step` [s], shortened so that equal steps fill the `remaining` time [s]; only these are used."""
+    """Return `settings.step` [s], shortened so that equal steps fill the `remaining` time [s]; all else is unused."""
     return remaining / math.ceil(remaining / settings.step - 1e-9)
 
 
@@ -379,7 +380,7 @@ def commit_alpha(model, state, settings, arrays, h, share):
 
 @kernel
 def evaluate_alpha(model, state, arrays, changed):
-    """Copy joint angles, rates and forces at the accepted state to `arrays.motion`; ignore `changed`; return True."""
+    """Copy joint angles, rates, forces from `arrays.work` to `.motion`; return True (success). `changed` is unused."""
     take_loads(arrays.work.loads, arrays.motion)
     return True
 

@@ -100,8 +100,8 @@ def make_stage_arrays(model: Model, state: State) -> StageArrays:
 def present_velocity_scale(velocity_scale, weights, v0, v):
     """Return the error norm's velocity scale [m/s], smaller in slow motion, at least _LEAST_SCALE * velocity_scale.
 
-    If no velocity at the step's start (`v0`) or end (`v`), times its weight, exceeds velocity_scale / _SLOW, the scale
-    shrinks with the square of the greatest. The `weights` turn velocities of slopes into translations [m/s].
+    The `weights` (n,) turn rates of beams' slopes [1/s] into speeds [m/s]. If no weighted velocity at the step's start
+    (`v0`) or end (`v`) exceeds velocity_scale / _SLOW, the scale shrinks with the square of the greatest.
     """
     top = 0.0
     for i in range(v.size):
@@ -133,7 +133,7 @@ def choose_rosenbrock(model, state, settings, arrays, remaining):
 
 @kernel
 def attempt_rosenbrock(model, state, settings, arrays, h):
-    """Try a step `h` [s] in `arrays.stages`; return its error / tolerance, negative if constraints are singular."""
+    """Compute a step `h` [s] and its end in `arrays.stages`; return error / tolerance, < 0 for singular constraints."""
     work, stages = arrays.work, arrays.stages
     if arrays.trial[0].implicit:
         error = _STRICTER * attempt_implicit(model, state, stages, arrays.step, work, settings, h)

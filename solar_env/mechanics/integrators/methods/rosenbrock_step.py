@@ -61,7 +61,7 @@ _C = (
 
 
 class LinearStep(NamedTuple):
-    """Arrays of a linearly implicit step; (blocks, BLOCK) are unknowns in the linear solver's order of elimination."""
+    """Arrays of a linearly implicit step; each (blocks, BLOCK) is a vector in elimination order, BLOCK values a row."""
 
     newton: NewtonMatrices  # of the stage equations
     coordinate_increments: NDArray[np.float64]  # (stages, n)
@@ -82,7 +82,7 @@ class LinearStep(NamedTuple):
 
 
 def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
-    """Return new arrays of a linearly implicit step; only the mass matrix, `newton.mass`, is computed yet."""
+    """Allocate the arrays of a linearly implicit step; fill the mass matrix. Tangents use the joint loads in `work`."""
     n, k = state.q.size, state.multipliers.size
     blocks = model.elimination.first.size
     return LinearStep(
@@ -154,7 +154,10 @@ def set_stage(state, stages, step, s, h):
 
 @kernel
 def solve_stage(model, state, stages, step, s, force, diagonal):
-    """Write stage `s`'s increments to `step`; `force` (n,) acts at the state `step.q`, `.v`; `diagonal` is gamma h."""
+    """Solve stage `s`; write its increments of q, v, a and multipliers to row `s` of the increment arrays in `step`.
+
+    `force` (n,): forces at `step.q`, `step.v`. `diagonal`: gamma h [s]. `stages`: accelerations at the step's start.
+    """
     elimination, position = model.elimination, model.elimination.position
     n, rows = state.q.size, model.constraints.size.size
     x, factor, product = step.unknowns, step.factor, step.product
@@ -193,10 +196,11 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
 
 @kernel
 def border_length(state, start_a, step, k, row, position, diagonal):
-    """Enter a rigid body's length constraint, its equation and its force, in a stage's right-hand side `step.unknowns`.
+    """Enter a rigid body's length constraint in `step.unknowns`, the right-hand side of a stage's linear equations.
 
-    The equation goes to the entry of the constraint's multiplier. The body's entries get only the part of the force due
-    to the change of the constraint's gradient since the step's start; Newton's matrix has the other part.
+    The constraint keeps the distance of the body's two base points. Its equation's right-hand side is written to its
+    multiplier's entry. The entries of the base points' coordinates get the constraint force due to the change of the
+    constraint's gradient since the step's start; Newton's matrix has the force along the gradient at the start.
     `start_a` (n,): accelerations at the step's start. `k`: index of the body's first coordinate. `row`: index of the
     constraint's multiplier. `position`: places of the unknowns in the elimination order. `diagonal`: gamma h.
     """
@@ -225,10 +229,10 @@ def evaluate_forces(model, joint_states, q, v, work):
 
 @kernel
 def take_contacts_from_ends(joints, power, gain, h):
-    """Write contacts' dissipation, sliding work and impulse in a step to `gain`: trapezoidal rule with rates `power`.
+    """Write contacts' dissipation, sliding work and impulse in a step to `gain` (integrals,), by the trapezoidal rule.
 
-    The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step.
-    The solution resolves the depth at the step's ends, but the interpolant does not resolve it in between.
+    Row 0 of `power` (stages, integrals) has their rates at the step's start, and the last row at its end. In between,
+    the step's interpolant does not resolve a lasting contact's depth of some nanometres.
     """
     for j in range(joints.size):
         if joints[j].kind == m.CLEARANCE:
@@ -253,9 +257,10 @@ def estimate_error(model, state, stages, step, settings):
 
 @kernel(inlined=False)
 def attempt_implicit(model, state, stages, step, work, settings, h):
-    """Try a linearly implicit step `h` [s]; write its end (q, v, a, multipliers, powers), integrals' gain to `stages`.
+    """Try a linearly implicit step `h` [s] from `state`; return error / tolerance, negative for singular constraints.
 
-    Return the step's error divided by the tolerance, negative if the constraints are singular.
+    `stages` gets q, v and multipliers at the end, and in its last rows accelerations and rates (`power`) of work,
+    losses and impulses; `stages.gain` gets the integrals of these rates. `step` and `work` are work arrays.
     """
     time = state.clock[0].time
     diagonal = GAMMA * h

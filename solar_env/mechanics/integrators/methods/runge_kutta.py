@@ -100,7 +100,7 @@ def make_stiff_forces(state: State) -> StiffForces:
 
 @kernel
 def restore_ends(v0, stages, stiff):
-    """Undo the stiff-force correction in `stages` at both step ends, using start velocities `v0`, copies in `stiff`."""
+    """Undo the stiff forces' correction at both ends in `stages`, with start velocities `v0` and copies in `stiff`."""
     velocity, acceleration, power = stages.velocity, stages.acceleration, stages.power
     copy_into(velocity[0], v0)
     copy_into(acceleration[0], stiff.start)
@@ -112,7 +112,7 @@ def restore_ends(v0, stages, stiff):
 
 @kernel
 def take_stages(model, state, arrays, h):
-    """Write a step's stages, end (q, v) and integrals' gain to `arrays.stages`; False if constraints are singular."""
+    """Write a step's stages, end (q, v), work, losses, impulses to `arrays.stages`; False for singular constraints."""
     work, stages, stiff = arrays.work, arrays.stages, arrays.stiff
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
@@ -158,7 +158,7 @@ def take_stages(model, state, arrays, h):
 
 @kernel
 def contact_error(model, arrays, stiff, h):
-    """Return the greatest depth error of contacts past impact (in `stiff`) / its tolerance, a fraction of the depth."""
+    """Return the greatest depth error of lasting contacts in `stiff`, divided by the tolerance _DEPTH_ERROR * depth."""
     worst, stages = 0.0, arrays.stages
     for c in range(stiff.active[0]):
         if stiff.stiffness[c] > 0.0:
@@ -174,7 +174,7 @@ def contact_error(model, arrays, stiff, h):
 def error_norm(model, state, arrays, rtol, velocity_scale, h):
     """Return the greatest component of an explicit step's error estimate (`arrays.stages`), divided by its tolerance.
 
-    `rtol` is relative to the length scale, to `velocity_scale` [m/s] plus speed, or to the initial energy.
+    The tolerance is `rtol` times length scale for q, `velocity_scale` [m/s] + speed for v, initial energy for energies.
     """
     stages, stiff = arrays.stages, arrays.stiff
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power

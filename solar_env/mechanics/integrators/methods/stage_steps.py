@@ -54,7 +54,7 @@ def take_loads(loads, motion):
 
 @kernel(inlined=False)
 def begin_stages(model, state, settings, arrays):
-    """Prepare arrays for a call of `advance`, keeping valid accelerations; return False if constraints are singular."""
+    """Prepare arrays for a call of `advance`; recompute outdated accelerations (False for singular constraints)."""
     work, stages, clock = arrays.work, arrays.stages, state.clock[0]
     # Stages that are not computed yet enter with weight zero, but zero times NaN would be NaN.
     for array in (stages.velocity, stages.acceleration, stages.power):
@@ -81,7 +81,7 @@ def begin_stages(model, state, settings, arrays):
 
 @kernel
 def depth_in_stages(model, state, arrays, j, h, share):
-    """Return joint `j`'s penetration [m] at a fraction `share` of the step `h` [s] that the work `arrays` hold."""
+    """Return joint `j`'s penetration [m] at a fraction `share` of a step `h` [s], interpolated between its ends."""
     if share == 0.0:
         return arrays.motion[j].depth
     return hermite_depth(model.joints[j], model.markers, state, arrays.stages, h, share)
@@ -89,7 +89,7 @@ def depth_in_stages(model, state, arrays, j, h, share):
 
 @kernel
 def angle_in_stages(model, state, arrays, j, h, share):
-    """Return joint `j`'s angle [rad] at a fraction `share` of the step `h` [s] that the work `arrays` hold."""
+    """Return joint `j`'s angle [rad] at a fraction `share` of a step `h` [s], interpolated between its ends."""
     if share == 1.0:
         return arrays.work.loads[j, ANGLE]
     hermite_state(state, arrays.stages, h, share)
@@ -129,11 +129,11 @@ def refine_peak(model, state, stages, j, h, share):
 
 @kernel
 def refine_peaks(model, state, arrays, h, share):
-    """Raise the joints' force maxima to the force peaks in the accepted fraction `share` of a step `h` [s].
+    """Raise force maxima in `state.joints` to the force peaks in the accepted fraction `share` of a step `h` [s].
 
     A contact has a peak if its penetration has turned from growing to falling. Lasting contacts are left out in steps
-    that are linearly implicit or corrected for stiff contacts: their interpolants have false depths (see
-    `rosenbrock_step.take_contacts_from_ends`) and forces up to a thousand times the real forces.
+    that are linearly implicit, or explicit with stiff contacts treated implicitly (`stiff_forces.py`). The interpolants
+    of these steps (`arrays.stages`) have false depths, and forces up to a thousand times the real forces.
     """
     coarse, stages = arrays.trial[0].implicit or arrays.trial[0].stiff_contacts, arrays.stages
     for j in range(model.joints.size):
@@ -201,7 +201,7 @@ def resume_stages(model, state, arrays):
 
 @kernel
 def open_contact(model, state, arrays, j):
-    """Return joint `j`'s inverse effective mass [1/kg] along its line of centres as its contact begins at `state`."""
+    """Return joint `j`'s inverse effective mass [1/kg] along its line of centres at `state`; only scratch changes."""
     scratch, joint = arrays.scratch, model.joints[j]
     scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, model.markers, state.q)
     return normal_inverse_mass(model, state.q, state.v, j, scratch)

@@ -66,7 +66,7 @@ def set_impact_speeds(joint_states, impact_speeds):
 
 @kernel(inlined=False)
 def refresh(model, state, stages, work):
-    """Write the state's accelerations and powers to `state` and row 0 of `stages`; False for singular constraints."""
+    """Write accelerations and rates of integrals to `state` and row 0 of `stages`; False for singular constraints."""
     set_impact_speeds(state.joints, work.impact_speeds)
     clock = state.clock[0]
     regular = accelerations(
@@ -153,7 +153,7 @@ def interpolate_without_accelerations(state, stages, h, share):
 
 @kernel
 def hermite_integrals(state, stages, h, share):
-    """Write works, losses and impulses, summed up to a fraction `share` of a step `h` [s], to `stages.integrals`."""
+    """Interpolate work, losses, impulses since the run's start at fraction `share` of a step, in `stages.integrals`."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
     _, start, whole, end = cubic_weights(share)
     for k in range(integrals.size):

@@ -68,7 +68,10 @@ def past_sum(values, stage, i):
 
 @kernel
 def contact_directions(joint, markers, q, v, gradient, force):
-    """Add a depth's gradient to `gradient`; set `force` to minus generalized force, with friction, per normal force."""
+    """Add the gradient of a contact's depth to `gradient` (n,), and write the direction of its resistance to `force`.
+
+    `force` (n,) gets -Q / N: N is the normal force, and Q is the contact's generalized force, friction included.
+    """
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
@@ -107,10 +110,11 @@ def may_be_stiff(model, state):
 
 @kernel
 def collect(model, state, work, stiff, h):
-    """Store the forces that are stiff over a step `h` [s] in `stiff`; return (their number, whether they are contacts).
+    """Find the forces that are stiff over a step `h` [s]; return (their number, whether they are contacts).
 
-    With beams only hinge damping counts: the beams' small inertias make hinge damping stiff, and their axial vibrations
-    bound the step more than contacts do. Between rigid bodies only lasting contacts count.
+    `stiff` gets their joints, stiffness, damping, gradients, and accelerations by a unit force. If there are beams,
+    only hinge damping counts: beams' small inertias make it stiff, and their axial vibrations bound the step more than
+    contacts do. Between rigid bodies only lasting contacts count.
     """
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
     flexible = model.flexible != 0
@@ -159,7 +163,7 @@ def collect(model, state, work, stiff, h):
 
 @kernel
 def separate_motions(stiff, count):
-    """Write the dual basis of the stiff forces' `count` gradients to `stiff.motion`; False if they are dependent."""
+    """Write the dual basis of the depth gradients `stiff.gradient[:count]` to `stiff.motion`; False if dependent."""
     if not lu_factor(stiff.matrix, count):
         return False
     for k in range(count):
@@ -179,8 +183,8 @@ def separate_motions(stiff, count):
 def measure_rest(model, state, work, stiff, count, start, h):
     """Compute in `stiff.rest` (n,) the rate of change of the accelerations that is not due to the `count` stiff forces.
 
-    It is the difference quotient from `state`, with accelerations `start` (n,), to a point extrapolated by a tenth of
-    the step `h` [s], whose values `work` and `state.multipliers` get. Return False if the constraints are singular.
+    It is a difference quotient between `state`, with accelerations `start` (n,), and a point extrapolated by a tenth of
+    the step `h` [s]. `work` and `state.multipliers` get this point's values. Return False if constraints are singular.
     """
     q, v, time = state.q, state.v, state.clock[0].time
     delta = _PROBE * h
@@ -227,7 +231,7 @@ def begin_step(model, state, work, stiff, start, h):
 
 @kernel
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
-    """Correct explicit derivatives in row `stage` of `velocity`, `acceleration`, `power` for the forces in `stiff`."""
+    """Add linearly implicit terms for forces in `stiff` to row `stage` of `velocity`, `acceleration` and `power`."""
     count = stiff.active[0]
     force_rate, right, a = stiff.force_rate, stiff.force_rate[stage], acceleration[stage]
     share = DIAGONAL

@@ -65,7 +65,7 @@ class Kernels:
         landing: how steps end at events: NOT_AT_ALL, AT_SHARE (by interpolation) or BY_SOLVING_AGAIN (a shorter step).
         control: controller of the step size, without effect on a fixed step.
         note_peaks: raises the force maxima to the peaks inside the step.
-        resume: prepares the next step; called after every accepted step, when contacts that have ended are closed.
+        resume: prepares the next step; called after an accepted step or event, when ended contacts have been recorded.
         adapt: chooses between explicit and linearly implicit steps, after the next step's size is set.
     """
 
@@ -201,7 +201,7 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable) -> Callable:
-    """Return a function that maps kernel settings, by type at compile time, to `pick(kernels)` of their method."""
+    """Return a function that maps a method's settings to `pick(kernels)` with the method's kernels, at compile time."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 

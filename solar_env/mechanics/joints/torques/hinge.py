@@ -127,9 +127,10 @@ def add_resistance_powers(torques, rate, weight, j, out):
 def add_cable_power(cable, torque, rate, weight, out):
     """Add the power that a cable loop supplies, times `weight`, to the cable work of its inner joint in `out`.
 
-    `torque` [N m] acts on the outer joint, minus torque ratio times `torque` on the inner one; `rate` [rad/s] is the
-    inner wheel's. The cable is stretched by the angle wheel ratio * inner - outer wheel angle: if both ratios are
-    equal, it supplies no power. Vectors are summed over their elements.
+    The loop exerts `torque` [N m] on the outer joint, and -(torque ratio) * `torque` on the inner joint. It stores
+    energy in the mismatch of the wheels' angles: wheel ratio * inner angle, minus outer angle. The supplied power is
+    the power of both torques plus the rate of this energy: (wheel ratio - torque ratio) * `torque` * `rate`; `rate`
+    [rad/s] is the inner wheel's. `weight` is 1, or a duration [s] for a work. Elements of vectors are summed.
     """
     power = torque * (cable.wheel_ratio - cable.torque_ratio) * rate
     out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += sum_lanes(weight * power)

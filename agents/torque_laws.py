@@ -33,9 +33,9 @@ class Signals:
     Attributes:
         names: Name of every entry of an observation, as `env.unwrapped.observation_names`.
         torque_limit: Motor torque of a unit action [N m].
-        deadline: Time by which all joints should latch [s], the unit of observed times to it and since release.
+        deadline: Time by which all joints should latch [s]. Observed times to it and since release are divided by it.
         control_period: Time for which an action is held [s].
-        settling_window: Duration of an episode after the last latch [s], the unit of the observed time since then.
+        settling_window: Duration of an episode after the last latch [s]. Observed times since then are divided by it.
         driven_joint: Index of the joint that the motor drives; 0 is the root hinge.
         action: Meaning of an action, see `solar_env.environment.task.task.Task`.
         lock_angles: Angle at which each joint latches [rad].
@@ -103,13 +103,13 @@ class DeterministicController(ABC):
 class TorqueLaw(DeterministicController):
     """A memoryless torque law over named observation entries.
 
-    The law reads the entries that `reads` names; "driven" instead of a joint number stands for the driven joint.
+    The law reads the entries that `reads` names; "driven" in a name, as in "rate_driven", is the driven joint's number.
 
     Args:
-        signals: Names and units of the environment.
+        signals: Names and units of the environment's observations and actions.
 
     Raises:
-        ValueError: An entry that the law reads is not observed, actions are not torques, or several hinges are driven.
+        ValueError: Actions are not torques; or the law reads entries, and one is missing or several hinges are driven.
     """
 
     reads: ClassVar[tuple[str, ...]] = ()
@@ -199,7 +199,7 @@ P = TypeVar("P", bound=LawParameters)
 
 
 class TunableLaw(TorqueLaw, Generic[P]):
-    """A torque law with tunable parameters, by default `defaults`; an unsuitable environment raises a ValueError."""
+    """A `TorqueLaw` whose constructor also takes tunable parameters, by default the class attribute `defaults`."""
 
     defaults: P
 

@@ -69,11 +69,7 @@ def run_command(args: Args) -> int:
 
 
 def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
-    """Yield every controller's name, the loaded controller and its environment, after checking all controllers.
-
-    Raises:
-        ValueError, OSError: A controller does not exist, or its files cannot be loaded.
-    """
+    """Yield every controller's name, the loaded controller and its environment, after checking all controllers."""
     asked = args.keywords(MODEL)
     interfaces = {controller: controller.interface() for controller in parse_controllers(args.controllers)}
     with counting_bar(args.console) as bar:
@@ -83,7 +79,10 @@ def _each(args: Args) -> Iterator[tuple[str, Controller, gymnasium.Env]]:
 
 
 def replay_page(episodes: dict[str, Trajectory], figures: Mapping[str, Figures], command: str) -> Page:
-    """Return a page's HTML content: `episodes`, their results (`figures`) by controller, and a note with `command`."""
+    """Return the contents of an HTML page that shows `episodes` and their results, `figures`, side by side.
+
+    The keys of both are names of controllers. A note on the page states `command`, the command line that made it.
+    """
     landed = [name for name in episodes if figures[name]["latched"]]
     softest = min(landed, key=lambda name: figures[name]["peak_postlock_force_N"], default=None)
     lands = "none lands"

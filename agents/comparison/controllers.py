@@ -28,8 +28,7 @@ class NamedController:
 
     Raises:
         FileNotFoundError: From the methods, if the run does not exist or has no policy.
-        ValueError: From the methods, if a file is damaged, and from `load`, if the controller does not fit the
-            environment.
+        ValueError: From the methods, if a file is damaged or, in `load`, the controller does not fit the environment.
     """
 
     name: str
@@ -119,10 +118,12 @@ def parse_controller(text: str) -> NamedController:
 
 
 def parse_controllers(texts: Sequence[str]) -> list[NamedController]:
-    """Return the controllers for texts `NAME=SPEC` or SPEC; trained policies that share a NAME count as one controller.
+    """Return the controllers for texts `NAME=SPEC` or SPEC; SPEC is, for example, a torque law or a run folder.
+
+    Trained policies that get the same NAME count as runs of one controller; `parse_controller` describes all texts.
 
     Raises:
-        ValueError: A controller is given twice, or two share a name, other than trained policies with NAME= for both.
+        ValueError: A controller is given twice, or two share a name. Policies may share one that NAME= gives to each.
     """
     named = [parse_controller(text) for text in texts]
     pairs = [(controller.name, controller.resolved) for controller in named]

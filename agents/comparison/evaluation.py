@@ -47,18 +47,18 @@ def evaluate(
     """Run every controller on the same evaluation episodes.
 
     Args:
-        controllers: See `agents.comparison.controllers.parse_controllers`. A tuned law has the parameters for the
-            environment's model, see `agents.laws.baselines.load_parameters`.
+        controllers: Texts `NAME=SPEC` or SPEC; SPEC is, for example, a torque law or a run folder, see
+            `parse_controllers`. A tuned law has the parameters for the environment's model.
         episodes: Episodes of each controller.
         seed: Chooses the block of evaluation seeds.
-        env_id, env_kwargs: Environment id and keywords; `with_sampling` adds a missing "randomize". Each controller
-            gets its own observation, action and control period.
+        env_id, env_kwargs: Environment id and keywords. If they give no random ranges, the joints' release rates are
+            sampled. Each controller gets its own observation, action and control period.
         progress: Show a progress bar.
         workers: Processes to run the episodes on.
 
     Returns:
-        One row per controller and episode: controller, spec, episode, and the results of `run_episode`. An episode
-        whose simulation fails under one controller is left out for all controllers, with a warning.
+        One row per controller and episode: "controller" (its NAME), "spec" (its SPEC), "episode", and the results of
+        `run_episode`. Episodes that fail under one controller are left out for all controllers, with a warning.
 
     Raises:
         FileNotFoundError, ValueError: A controller does not exist, does not fit the environment, or has the name of
@@ -146,9 +146,9 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
 
 
 def run_cells(cells: Sequence[Cell], workers: int = 1, progress: bool = True) -> list[Row]:
-    """Run the episode that each cell, a dictionary of `episode_cell`, describes, on `workers` processes.
+    """Run on `workers` processes the episodes that `cells` describe: dictionaries such as `episode_cell` returns.
 
-    Equal cells are run once. Return the results of `run_cell` in the order of `cells`.
+    Equal cells are run once. Return for each cell, in order, a dictionary of results, or of "seed" and "failure".
     """
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different, done = dict(zip(keys, cells, strict=True)), dict[str, Row]()

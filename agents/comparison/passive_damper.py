@@ -38,7 +38,7 @@ class Contest:
     progress: bool
 
     def damped(self, damping: float) -> Keywords:
-        """Return `env_kwargs` with `damping` [N m s/rad] in all hinges and torque laws' observation, action, period."""
+        """Return `env_kwargs` with the keywords that torque laws need and with `damping` [N m s/rad] in every hinge."""
         return {**self.env_kwargs, **OF_LAWS, "parameters": {**self.env_kwargs["parameters"], "hinge_damping": damping}}
 
     def cells(self, spec: str, env_kwargs: Mapping[str, object], seeds: Sequence[int], **more: object) -> list[Cell]:
@@ -112,7 +112,8 @@ class Contest:
 def answer(summary: Summary, found: Mapping[str, Any], torque_limit: float) -> list[str]:
     """Return sentences that compare returns, torques and forces of the best drive, the best damper and the springs.
 
-    They also state `torque_limit` [N m] and `found` of `Contest.rows`: model, number of hinges, unsuitable controllers.
+    They also state the motor's `torque_limit` [N m], and three entries of `found`, the findings that `Contest.rows`
+    returns: "model", "hinges" (number of hinges), and "unfit" (sentences on unsuitable controllers).
     """
     returns = {name: entry["return"].mean for name, entry in summary.items()}
     (damper,) = (name for name in returns if name.startswith(DAMPER))

@@ -37,13 +37,12 @@ class SearchSettings:
 class RecedingHorizon(DeterministicController):
     """Controller that searches for its actions by rollouts of the simulator from the present state.
 
-    Its return shows what a controller with perfect foresight can reach. It is no upper bound of all returns.
-
+    Its return shows what a controller with perfect foresight can reach, but is no upper bound of all returns.
     A candidate adds a residual, linear between knots, to the actions of a base controller (a law or a policy). Rollouts
     last to the end of the episode, because the cost comes with latching and after it. The cross-entropy method (R. Y.
     Rubinstein, Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143) searches around the last
-    plan, anew after every `replan_after`. Rollouts start from the exact state, with the true parameters, the true
-    motor, and the sensors' future noise.
+    plan, anew every `settings.replan_after` seconds. Rollouts start from the exact state, with the true parameters, the
+    true motor, and the sensors' future noise.
 
     The actions of the best rollout are applied. The simulator is deterministic: the predicted return is reached. Only a
     better plan replaces a plan: the predicted return never falls, and is never below the base controller's return.

@@ -39,8 +39,9 @@ def estimate(
     zero. NaN values are left out; without other values the estimate is NaN.
 
     Args:
-        runs: One array (episodes,) of values for each training run; a baseline has one run. Arrays (references,
-            episodes) hold values relative to each run of another controller, the references, which are resampled, too.
+        runs: One array (episodes,) of values for each training run; a baseline has one run. In comparisons with
+            another controller the arrays are (references, episodes): values relative to each run of that controller,
+            called a reference. References are resampled, too.
         resamples: Number of bootstrap resamples.
         mean: Function that reduces the last axis.
 

@@ -59,7 +59,7 @@ def tuning_of(name: str, env_id: str, model: str) -> dict[str, Any]:
 
 
 def _entries(name: str) -> dict[str, Any]:
-    """Read the file of a law: environment id -> model -> tuning result; return an empty dictionary if it is missing."""
+    """Read a law's tuning results, nested by environment id and the array's model; return {} if there is no file."""
     path = CONFIGS / f"{name}.json"
     return read_json(path) if path.exists() else {}
 

@@ -27,9 +27,8 @@ class ServoParameters(LawParameters):
         settling_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
         settling_stiffness: Torque after the last latch per angle of the driven joint off its lock angle [N m/rad]: a
             latched joint still has play, and the array would swing across the play.
-        smoothing: Fraction of the motor torque that carries over to the next control period, as a low-pass filter. The
-            filter suppresses the vibrations of panels and journals in the rates. Without it, a motor that lets go of
-            the springs at the last latch would let the springs throw the array across the play.
+        smoothing: Fraction of the motor torque that carries over to the next control period. This low-pass filter
+            suppresses vibrations in the rates, and makes the motor let go of the springs gradually at the last latch.
     """
 
     cruise_rate: float = bounded(0.08, 0.05, 0.2)
@@ -46,11 +45,11 @@ class ServoParameters(LawParameters):
 class VelocityProfileServo(TunableLaw[ServoParameters]):
     """Feedback that makes the opening follow a velocity profile which slows down towards latching.
 
-    The profile has constant deceleration, `min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))` at the opening `s`,
-    but is never too slow to reach the lock angle by the time `RESERVE` ahead of the deadline.
-    `s` is a weighted mean of both joints: the cable loop that couples them is elastic, so that they latch apart in
-    time, and a profile for joint 1 alone does not lower the impact. The torque grows with the rate's error from the
-    profile, and passes a low-pass filter.
+    The opening `s` is a weighted mean of two joints' angles, each divided by its lock angle: 0 is folded, 1 is locked.
+    The profile has the rate `min(cruise_rate, sqrt(latch_rate^2 + 2 deceleration (1 - s)))` [1/s], but is never too
+    slow to reach the lock angle by the time `RESERVE` ahead of the deadline. The cable loop that couples joints 1 and 2
+    is elastic, so that they latch apart in time; a profile for joint 1 alone does not lower the impact. The torque
+    grows with the rate's error from the profile, and passes a low-pass filter.
     """
 
     reads = (*OPENING, "theta_driven", "rate_driven", "motor_torque", "time_to_deadline")
@@ -97,9 +96,9 @@ class SoftStartParameters(ServoParameters):
 class SoftStartServo(VelocityProfileServo):
     """A servo that brings the array slowly to the latches, after an open-loop torque history for a gentle start.
 
-    The servo takes over gradually at the time `handover`, or at once at the last latch, when it begins to damp the
-    swing. Without the history it would accelerate the array at once, to have time for the slow arrival. Nearly all wear
-    of deployments with a slow arrival comes from such a start.
+    The servo takes over gradually from the time `handover` on, or without transition at the last latch, when it begins
+    to damp the swing. Without the history it would accelerate the array abruptly, to have time for the slow arrival. An
+    abrupt start causes nearly all wear of deployments with a slow arrival.
     """
 
     parameters: SoftStartParameters

@@ -1,7 +1,6 @@
 """Search over the weights of a policy by the returns of whole episodes: CMA-ES with the interface of Stable-Baselines3.
 
-Noise on the weights tries one behaviour for a whole deployment. Returns of whole episodes rank the candidates, so that
-no gradient must bridge the delay between actions and the cost of the latching that they lead to.
+Returns of whole episodes rank the candidates; no gradient must bridge the delay between actions and latching.
 """
 
 import math
@@ -111,7 +110,10 @@ class CMAES(ARS):
         callback.on_rollout_end()
 
     def _judge(self, searched: np.ndarray, callback: BaseCallback) -> None:
-        """Run weights `searched` once in every environment; the policy gets them if their mean return is the best."""
+        """Run an episode with weights `searched` in every environment, and compare the mean return with `best_return`.
+
+        A higher mean return becomes `best_return`, and the policy gets the weights.
+        """
         first = self.seed or 0
         tries = [(searched, first + episode) for episode in range(self.env.num_envs)]
         mean_return = float(self._returns(tries, callback).mean())

@@ -21,7 +21,10 @@ def _turning(spin: float, arm: Point) -> Point:
 
 
 def _outward(row: JointRow) -> float:
-    """Return a panel's angle [rad] from the inboard body if in line with it: pi on the main body's -x side, else 0."""
+    """Return the angle [rad] from the inboard body's x axis to a panel that extends straight away from this body.
+
+    The angle is pi for the first panel on the main body's -x side, and 0 for every other panel.
+    """
     return math.pi if row.side < 0 and row.inboard == MAIN_BODY else 0.0
 
 

@@ -167,9 +167,9 @@ def _tabulated(table: tuple[tuple[float, float], ...], angles: Array) -> Array:
 
 
 def _together(hinges: tuple[Motorization, ...]) -> Motorization:
-    """Return one `Motorization` for hinges that cable loops couple: the sum of their torques at equal opening.
+    """Return one `Motorization` (torques by angle) for coupled hinges, which open by equal fractions of lock angles.
 
-    Each torque is reduced to the first hinge: multiplied by its hinge's lock angle / the first hinge's lock angle.
+    The torques of all hinges are added, each multiplied by its hinge's lock angle divided by the first hinge's.
     """
     first = hinges[0].angles
     total = [

@@ -50,7 +50,7 @@ class WorkerOptions(QuietOption):
 
     @property
     def workers(self) -> int:
-        """Number of processes, or -1 for one per processor; a value of `jobs` below 1 raises a ValueError."""
+        """Number of processes: `jobs`, or -1 (one per processor) if None. A `jobs` below 1 raises a ValueError."""
         if self.jobs is not None and self.jobs < 1:
             raise ValueError(f"jobs = {self.jobs!r} must be at least 1")
         return self.jobs or -1

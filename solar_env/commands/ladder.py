@@ -30,7 +30,10 @@ class Args(FolderOptions, QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Print the cheapest model level (fidelity) for the result --ask; without --ask, measure and draw all levels."""
+    """Print the cheapest model level (fidelity) that computes the result `args.ask` to within `args.tolerance`.
+
+    Without `args.ask`, measure the errors and costs of all levels, unless `args.draw` is set; tabulate and draw them.
+    """
     if args.ask is not None:
         answer = cheapest(read_answers(), args.ask, args.tolerance)
         print(answer.level)
@@ -56,10 +59,11 @@ def run_command(args: Args) -> int:
 
 
 def choices(answers: tuple[Answer, ...]) -> str:
-    """Return a Markdown table of model levels, cheapest first: relative wall time, and an error for each of QUESTIONS.
+    """Return a Markdown table of model levels, cheapest first, with their relative wall times and errors.
 
-    Errors include the sampling error, and are rounded up to two digits. An entry is empty where another level is as
-    accurate at no greater cost, and where the error may reach 100 %. Levels without any entry are left out.
+    Each result that QUESTIONS names, such as "peak-force", has a column of errors; an `Answer` is about one level and
+    result. Errors include the sampling error, and are rounded up to two digits. An entry is empty where another level
+    is as accurate at no greater cost, and where the error may reach 100 %. Levels without any entry are left out.
     """
     told: dict[str, dict[str, Answer]] = {}
     for question in QUESTIONS:

@@ -58,8 +58,7 @@ def run_command(args: Args) -> int:
         for line in statics(array, args.factors):
             wide_console().print(line, highlight=False)
         return 0
-    fitted = "flexible-clearance:6 elements" if array.parameters.panel_masses else "flexible-clearance"
-    plan, workers = LoadsPlan(array, args.model or fitted, args.runs, args.window, args.deadline), args.workers
+    plan, workers = LoadsPlan(array, args.model, args.runs, args.window, args.deadline), args.workers
     for level in plan.levels:
         build(array.parameters, level.model)  # refuses wrong input before anything is compiled
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):

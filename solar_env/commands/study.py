@@ -1,4 +1,4 @@
-"""`solar-env study`: repeat a study on the documentation pages, and draw the figures of the study.
+"""`solar-env study`: repeat a study that a documentation page describes, and draw its figures.
 
 A study is a module with a function `run(args) -> int` and with `OPTIONS`, which names the fields of `Args` that the
 study takes beside `name` and `quiet`. `[project.entry-points."solar_env.studies"]` in pyproject.toml lists the studies.

@@ -23,7 +23,10 @@ def rows(group: str) -> dict[str, str]:
 
 
 def load(group: str, name: str) -> Any:
-    """Import and return the module of the command or study `name`; an unknown name raises a ValueError."""
+    """Import and return the module of the command or study `name`; an unknown name raises a ValueError.
+
+    The group of entry points in which the name is looked up, `group`, is COMMANDS or STUDIES.
+    """
     found = rows(group)
     if name not in found:
         kind, listed = ("command", "solar-env") if group == COMMANDS else ("study", "solar-env study")

@@ -180,7 +180,10 @@ class Episodes:
         return failures
 
     def _told(self, lanes: NDArray[np.int64]) -> dict[int, Told]:
-        """Return, by lane (environment), a dict for a user's reward function: "time_s", and each term's quantity."""
+        """Map each environment in `lanes` to a dictionary for the user's reward function.
+
+        It holds "time_s" [s], the simulated time, and under each reward term's name, its physical quantity so far.
+        """
         times, told = self.times.tolist(), self.settings.terms.told
         return {lane: told(times[lane], self._periods.accounts[lane]) for lane in lanes.tolist()}
 

@@ -26,13 +26,11 @@ Results = tuple[Observation, NDArray[np.float64], Flags, Flags, Info]
 class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
     """A vector of environments, called lanes; `solar_env.SolarArrayEnv` describes actions, observations and rewards.
 
-    `gymnasium.make_vec("solar_env/Deploy-v2", num_envs=64)` makes a vector. Each thread advances lanes in one compiled
-    call, without the interpreter lock. The threads share a queue of lanes: lanes with many impacts do not delay other
-    lanes. Lane i gives the results of a single environment with the same seed and actions to the last bit, for any
-    number of lanes and threads. Returned arrays are copies that the caller may change.
+    `gymnasium.make_vec("solar_env/Deploy-v2", num_envs=64)` makes a vector. Threads advance the lanes in compiled code,
+    without the interpreter lock. Lane i gives the results of a single environment with the same seed and actions to the
+    last bit, for any number of lanes and threads. Returned arrays are copies that the caller may change.
 
-    The conventions are `gymnasium.vector.SyncVectorEnv`'s: an integer seed s gives lane i the seed s + i, and `info`
-    holds arrays with masks. In autoreset mode SAME_STEP `info` also has `final_obs` and `final_info`. With DISABLED,
+    The conventions are `gymnasium.vector.SyncVectorEnv`'s; `info` holds arrays with masks. With autoreset DISABLED,
     `reset(options={"reset_mask": mask})` begins new episodes in some lanes. If a lane's simulation cannot continue, its
     episode is truncated: the reward is 0, the observation is the last one, and `info["failure"]` holds the error.
 
@@ -212,7 +210,10 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
 
 def _settings_by_lane(keywords: Mapping[str, Any], lanes: int) -> list[EnvironmentSettings]:
-    """Return the settings of every lane (environment); structural parameters that differ raise a ValueError."""
+    """Return the settings of each of `lanes` environments, from the keyword arguments of their vector environment.
+
+    Raise a ValueError if a structural parameter, such as the number of panels, is not the same in all of them.
+    """
     given = _by_lane("parameters", keywords.get("parameters"), lanes)
     found = {id(entry): EnvironmentSettings.of({**keywords, "parameters": entry}) for entry in given}
     settings = [found[id(entry)] for entry in given]

@@ -1,4 +1,4 @@
-"""Land an array by a controller of your own: open at a constant rate, then slow down near the root hinge's lock angle.
+"""Deploy an array by your own controller: open at a constant rate, then slow down near the root hinge's lock angle.
 
 A rate proportional to the remaining angle, d' = -d / T, lets the angle decay exponentially. The action is the scaled
 logarithm of the wanted rate. The drive follows with a lag, so the controller uses the angle expected 2.4 s later.

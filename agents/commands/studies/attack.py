@@ -47,7 +47,10 @@ def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: 
 
 
 def passive_profile() -> np.ndarray:
-    """Return the profile (NUMBERS,) of zero actions: KNOTS values 0.5 in the range 0 to 1, and flat square waves."""
+    """Return the profile (NUMBERS,) that `actions` decodes to actions of 0 at all times.
+
+    Its first KNOTS numbers are 0.5, the middle of the range of actions. Both of its square waves have amplitude 0.
+    """
     return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
 
 

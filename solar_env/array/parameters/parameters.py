@@ -83,8 +83,7 @@ class ArrayParameters:
         cable_torque_ratio: torque on the inner joint of a loop divided by the torque on the outer one; None takes the
             wheel ratio (2 at the root), which conserves energy (chosen). A ratio of 1 agrees with the paper's latch
             time, but destroys half of the springs' work, 0.24 J of 0.49 J up to the latching.
-        cable_preload_force: preload of a strand [N]; a strand's tension is never negative (chosen: no strand goes
-            slack).
+        cable_preload_force: preload of a strand [N], whose tension is never negative (chosen: no strand goes slack).
         cable_wheel_radius: radius of the outer joint's wheel [m] (chosen: without cable_bearing_forces, it only sets
             the torque at which a strand goes slack).
         cable_bearing_forces: whether the strands also pull on the bearings: the paper's Eq 3, corrected so that the
@@ -116,7 +115,7 @@ class ArrayParameters:
             value [m/s], the paper's Eq 42 (chosen: below the speeds of impacts, which meet the full friction).
         friction_sliding: sliding speed in the friction law. "material" takes the relative speed of the material points
             in contact. The others ignore the bodies' rotation: "centres" takes the relative speed of the centres across
-            their line, "places" depth / (clearance + depth) times that, the paper's Eq 35 for the contact points.
+            their line; "places" multiplies this speed by depth / (clearance + depth), as the paper's Eq 35 does.
         wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the
             order of 1e-14 to 1e-13 m, as the paper reports).
         bearing_width: axial length of the bearings [m] (chosen: the hinge line spans the panel).
@@ -229,9 +228,8 @@ class ArrayParameters:
         """Return a named parameter set, "default" or "paper"; an unknown name raises a ValueError.
 
         "paper" follows Li, Wang and Huang (2019) as printed, except where its own results contradict it. It has
-        hinge_y = -0.5, so that the folded panels extend beyond the main body, and cable_torque_ratio = 1. Both
-        together reproduce the paper's latch time, though cable torques in that ratio take up half of the springs' work.
-        The panels have no damping. The wear coefficient makes the greatest wear depth as in the paper's figures.
+        hinge_y = -0.5, so that the folded panels extend beyond the main body, and cable_torque_ratio = 1; both together
+        match the paper's latch time. Panels are undamped. The wear coefficient gives the paper's greatest wear depth.
         """
         check_name("preset", name, PRESETS)
         return cls(**PRESETS[name])
@@ -318,7 +316,7 @@ class ArrayParameters:
         return tables if alone else entry_of(tables, joint, self.panel_count)
 
     def stop(self, joint: int) -> Stop:
-        """Return the torque law (`Stop`) of both the latch and the folded position's stop at `joint`, from 0."""
+        """Return the torque law (`Stop`) that `joint`, counted from 0, has for both its latch and its stow stop."""
         names = ("gap", "stiffness", "exponent", "ramp_depth", "damping")
         return Stop(*(self.by_joint(f"latch_{name}", joint) for name in names))
 

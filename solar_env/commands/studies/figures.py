@@ -67,7 +67,7 @@ PICTURES = {
 
 
 def run(args: Args) -> int:
-    """Draw the pictures of a deployment, of a fixed step's failures, and of a design."""
+    """Draw a deployment, failures at fixed time steps, and a design."""
     folder, _ = args.folders("figures")
     paths = {place if args.readme else folder / place.name: draw for place, draw in PICTURES.items()}
     with counting_bar(args.console) as bar:

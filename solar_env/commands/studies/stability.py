@@ -51,7 +51,7 @@ def _walk_parameters(args: Args, folder: Path) -> int:
 
 
 def _report(name: str, path: Path) -> int:
-    """Draw the stability map `name` from table `path`; return 1 if the library left a failure unreported, else 0."""
+    """Draw stability map `name` from table `path`; return 1 if a run failed without a report by solar_env, else 0."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map

@@ -39,7 +39,7 @@ class Film:
             del self._times[-1], self._peaks[-1]
 
     def draw(self, simulation: Simulation, parameters: ArrayParameters) -> NDArray[np.uint8]:
-        """Draw the present state of a simulation as a frame (540, 960, 3) uint8."""
+        """Return a frame (540, 960, 3) uint8 that shows a simulation's present state and the peak forces so far."""
         self._forget(simulation.time)
         if self._renderer is None:
             task, folded = self._settings.task, self._settings.simulation(parameters)

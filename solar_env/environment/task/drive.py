@@ -74,9 +74,10 @@ def spring_load(array: ArrayParameters, joint: int) -> tuple[float, float]:
 
 
 def refinement(hardware: Hardware, array: ArrayParameters, joints: Sequence[int], period: float) -> int:
-    """Return into how many parts, at most 100, to divide the loop's sample `period` [s] so that no driven panel shakes.
+    """Return into how many parts, at most 100, to divide the sampling period `period` [s] of the drives' rate loops.
 
-    In each part the loop changes the rate of the lightest driven panel by at most `GENTLE` times the rate error.
+    A loop must change its panel's rate in each part by at most `GENTLE` times the rate error, or the panel
+    oscillates. The lightest panel on `joints`, the indices of the driven joints, decides.
     """
     panels = [array.panel(joint) for joint in joints]
     lightest = min(panel.inertia + panel.mass * panel.centroid**2 for panel in panels)
@@ -184,7 +185,10 @@ def asked_torque(model, state, task, motor, memory, action, rate_error, settling
 
 @kernel
 def set_torque(state, motor, torque):
-    """Move `motor_torque` in `state.joints` towards `torque` [N m], as motor lag and rate limit allow per sample."""
+    """Move a motor's torque, `motor_torque` of its joint in `state.joints`, towards the requested `torque` [N m].
+
+    `motor` is a `motor_type` record: its joint, its lag, and the greatest change of its torque from sample to sample.
+    """
     driven = state.joints[motor.joint]
     if motor.response < 1.0:
         torque = driven.motor_torque + motor.response * (torque - driven.motor_torque)

@@ -10,7 +10,7 @@ Values = NDArray[np.float64]
 
 
 class Feature(NamedTuple):
-    """A function of a joint's measured value, which an observation lists by its name.
+    """A quantity that observations list by its name, computed by `function` from an observable's measured value.
 
     Attributes:
         low, high: bounds of the clipped feature, in its unit.

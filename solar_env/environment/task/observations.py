@@ -95,8 +95,9 @@ OBSERVATIONS: dict[str, Names] = {
 class Entry(NamedTuple):
     """One entry of the observation vector; `age` is how many control periods ago its value was measured.
 
-    `joint` is the index from 0 of a joint (`observable.by_joint`) or motor (`by_motor`), and 0 for the whole array.
-    `number` is the joint's number from 1 in the entry's name, or None if the quantity has a single entry.
+    `joint` is the index of a joint if `observable.by_joint`, the index of a motor if `by_motor`, and otherwise 0.
+    `number`, a part of the entry's name, is the number, from 1, of the joint or of the motor's joint. It is None for a
+    quantity of the whole array or of the only motor.
     """
 
     observable: Observable | Feature
@@ -146,7 +147,7 @@ def observation_entries(joints: int, observation: str | Names, driven: Sequence[
 
 
 def _observable(name: str) -> tuple[Observable | Feature, int]:
-    """Return the `Observable` or `Feature` (function of one) in a name, and its age: 2 periods for "rate_2_ago"."""
+    """Return the `Observable` or `Feature` that a name stands for, and its age in periods: 2 for "rate_2_ago"."""
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
     stem, age = (past[1], int(past[2])) if past else (name, 0)
     if (of_joint := re.fullmatch(r"(\w+)_\d+", str(stem))) and of_joint[1] in _BY_NAME:
@@ -162,7 +163,7 @@ channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 
 
 def measured_for(entry: Entry) -> tuple[Observable, int]:
-    """Return the `Observable` that sensors measure for `entry` (for a feature, its argument), and `entry.joint`."""
+    """Return the `Observable` that an entry shows, or from which its `Feature` is computed, and `entry.joint`."""
     of = entry.observable
     name = of.source if isinstance(of, Feature) else of.name
     return next(row for row in OBSERVABLES if row.name == name), entry.joint
@@ -211,7 +212,10 @@ def reading(code, j, model, state, task, drives):
 
 @kernel
 def observe(model, state, task, channels, drives, out):
-    """Write quantities `channels` of mechanism and `drives`, clipped, without sensor errors, to `out` (measured,)."""
+    """Write the exact values of observed quantities, clipped to their bounds, to `out` (measured,).
+
+    `channels` (measured,) are the quantities' codes, joints and bounds, `drives` (motors, MEMORY) the drives' states.
+    """
     for k in range(channels.size):
         channel = channels[k]
         out[k] = reading(channel.code, channel.joint, model, state, task, drives)

@@ -44,8 +44,8 @@ class Periods(NamedTuple):
 def error_count(task: TaskNumbers) -> int:
     """Return the greatest number of sampling intervals of the drives in an environment step, equal for all drives.
 
-    Each interval has a random error of every motor's measured rate. If the drives bring the array to rest, a step may
-    include this settling, whose first and last interval may be partial.
+    Each interval has a random error of every motor's measured rate. If the drives bring the array to rest, the step of
+    the last latching includes the settling window. Its first and last intervals may be partial, but count.
     """
     period = float(task.sample_period)
     return round(task.control_period / period) + (
@@ -56,9 +56,8 @@ def error_count(task: TaskNumbers) -> int:
 def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArray[np.float32]) -> Periods:
     """Allocate `Periods` (actions, times and results of a control period) for a batch of `lanes` environments.
 
-    Each has `motors` motors and `terms` reward terms. `errors` is the greatest number of sampling intervals of the
-    drives in an environment step; in each of them, every motor's measured rate has an error. Kernels will write
-    observations without sensor effects to `exact` (lanes, measured).
+    Each has `motors` motors, `terms` reward terms, and at most `errors` drive samples in a step, see `error_count`.
+    Kernels will write observations without sensor effects to `exact` (lanes, measured).
     """
     return Periods(
         np.zeros((lanes, motors)),
@@ -78,7 +77,7 @@ def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArra
 
 @kernel
 def begin_period(state, task, periods, lane):
-    """Reset `recent_peak_force` of all joints, and set the end of the next control period in `periods.end_times`.
+    """Reset all joints' `recent_peak_force`; write the end of environment `lane`'s next period to `periods.end_times`.
 
     The end is a multiple of the period, so that rounding errors do not add up, or an earlier end of the episode.
     """

@@ -75,7 +75,8 @@ class RewardTerm(NamedTuple):
         code: integer for the kernel `reading`, which measures the quantity at the end of each step.
         growth: how the quantity since the episode began follows from these measured values: it is the LATEST value, the
             GREATEST magnitude, or the sum of the magnitudes of CHANGES.
-        scale: default of `Price.scale`; the weight is 0 unless the task's version or the keyword `reward` gives one.
+        scale: amount by which the quantity is divided in its cost, unless a `Price` gives another. The cost has a
+            weight, which is 0 unless the task's version or the environment's keyword `reward` gives one.
         sign: 1 for a quantity that costs, -1 for a quantity that earns.
     """
 
@@ -207,8 +208,7 @@ _OF_V1 = Reward(version=VERSIONS["v1"]).prices
 def v1_return(figures: Mapping[str, Any]) -> float:
     """Compute the return of a deployment by the rewards of task version 1, from its results `info["deployment"]`.
 
-    Tables of controllers have this return as `v1_return`. A missed deadline costs 25. The rewards of version 1 then
-    charge up to 25 more, in proportion to the joints' mean distance to the lock; this function omits that.
+    A missed deadline costs 25. The further cost of up to 25 by the joints' mean distance to the lock is omitted.
     """
     late = not figures["latched"] or max(figures["latch_times_s"]) > VERSIONS["v1"].task.deadline
     force, work = sum(figures["peak_postlock_force_N"]), sum(figures["sliding_work_J"])
@@ -268,9 +268,9 @@ def cost(price, figure):
 def charge(model, state, task, prices, account, terms):
     """Write the reward terms of a control period to `terms` (terms,), update `account`, and return the terms' sum.
 
-    A term is minus the period's increase in the cost of a physical quantity, such as sliding work, at the price in
-    `prices` (terms,), `price_type` records. `account` (terms, 2) holds each quantity's amount so far in the
-    episode, and the value last read from the state; an episode begins with zeros.
+    A term is minus the period's increase in the cost of a physical quantity, such as sliding work. Each record of
+    `prices` (terms,) says how a quantity is measured and what it costs. `account` (terms, 2) holds each quantity's
+    amount so far in the episode, and the value last read from the state; an episode begins with zeros.
     """
     total = 0.0
     for k in range(prices.size):

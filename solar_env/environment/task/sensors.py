@@ -70,7 +70,10 @@ class Sensors:
                 mine[:] = self._rate_noise * self._generators[lane].standard_normal(mine.shape)
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
-        """Begin episodes of environments `lanes` (k,): past values copy one measurement with noise of `generators`."""
+        """Begin episodes of environments `lanes` (k,), each with its random number generator in `generators` for noise.
+
+        Measure `exact` once. Copies of this measurement stand for all earlier ones, which delayed entries would show.
+        """
         for lane, generator in zip(lanes, generators, strict=True):
             self._generators[lane] = generator
         if self._transparent:
@@ -92,7 +95,7 @@ class Sensors:
         self._show(lanes)
 
     def _show(self, lanes: NDArray[np.int64]) -> None:
-        """Write to `observed` present or past measurements in environments `lanes`, or features (functions) of them."""
+        """Fill `observed` of environments `lanes` with measurements of age `Entry.age`, or with functions of them."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
         for k, feature, lock_angle in self._features:

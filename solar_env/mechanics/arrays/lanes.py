@@ -40,11 +40,7 @@ def copied(arrays: Arrays) -> Arrays:
 
 
 def check_structure(lanes: Arrays, arrays: Arrays) -> None:
-    """Check that a mechanism's `arrays` have the same shapes as one lane of the batch arrays `lanes`.
-
-    Raises:
-        ValueError: if a shape differs; the message names the array.
-    """
+    """Raise a ValueError that names the array if a mechanism's `arrays` lack the shapes of one lane of `lanes`."""
     for name, target, source in _pairs(lanes, arrays):
         shape = np.shape(source)
         if target.shape[1:] != shape:
@@ -78,7 +74,7 @@ def _mapped(function: Any, arrays: Any) -> Any:
 
 @overload(lane_view, inline="always")
 def _compiled_lane_view(lanes, lane):
-    """Return a generated function that builds the named tuple of views `array[lane]`: Numba's loops build no tuples."""
+    """Return a function, generated for Numba, that takes row `lane` of every array in the nested tuple `lanes`."""
     classes: dict[str, Any] = {}
 
     def construction(kind: types.BaseNamedTuple, path: str) -> str:

@@ -5,10 +5,9 @@ modes of the wave numbers k pi / L (S. Timoshenko, D. H. Young and W. Weaver, Vi
 4th ed., Wiley 1974, chapter 5). If loads act only at the ends, a frequency and the end values describe a mode fully.
 
 The omitted higher modes respond to slow loads as springs, and to faster loads with terms in powers of the squared
-frequency. A few pseudo-modes represent both effects. They are the orthogonalized Krylov vectors omega^-2p v, where v
-are the end values of the omitted modes (R. H. MacNeal, Comput. Struct. 1 (1971) 581,
-doi:10.1016/0045-7949(71)90031-9, for p = 1). They depend only on the sums of v v^T omega^-2p over all omitted modes.
-These sums are Hurwitz zeta functions, since x_k equals (k + 1/2) pi in all digits from some k on: no mode is cut off.
+frequency. A few pseudo-modes represent both. They are orthogonalized Krylov vectors omega^-2p v, where v are end values
+of omitted modes (for p = 1: R. H. MacNeal, Comput. Struct. 1 (1971) 581, doi:10.1016/0045-7949(71)90031-9). They depend
+only on sums of v v^T omega^-2p, which are Hurwitz zeta functions: x_k equals (k + 1/2) pi in all digits from some k on.
 """
 
 import math
@@ -71,7 +70,7 @@ def bending_modes(length: float, mass: float, stiffness: float, kept: int, block
 
 @lru_cache(maxsize=64)
 def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
-    """Return `EndModes` of a free unit beam: `kept` bending modes, then 4 * `blocks` pseudo-modes for higher ones."""
+    """Return modes of a free unit beam: `kept` bending ones, then 4 * `blocks` modes that represent all higher ones."""
     exact = [_end_values(wave_number(k)) for k in range(1, kept + 1)]
     squares = [wave_number(k) ** 2 for k in range(1, kept + 1)]
     signs = [1 if k % 2 else -1 for k in range(1, kept + 1)]
@@ -98,7 +97,7 @@ def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks:
 
 @lru_cache(maxsize=64)
 def _unit_axial_modes(kept: int, blocks: int) -> EndModes:
-    """Return `EndModes` of a free unit bar: `kept` axial modes, then 2 * `blocks` pseudo-modes for higher ones."""
+    """Return modes of a free unit bar: `kept` axial ones, then 2 * `blocks` modes that represent all higher ones."""
     numbers = [k * _CONTEXT.pi for k in range(1, kept + 1)]
     rows = [(_CONTEXT.sqrt(2), (-1) ** k * _CONTEXT.sqrt(2)) for k in range(1, kept + 1)]
     for first, sign in ((_next_of_parity(kept, 1), -1), (_next_of_parity(kept, 0), 1)) if blocks else ():
@@ -130,7 +129,10 @@ def _sum_over_others(power: int, first: Real) -> Real:
 
 
 def _bending_moment(first: int, power: int) -> Any:
-    """Return the sum of v v^T x^(-4 power), v = `_end_values(x)`, over wave numbers x of modes first, first + 2, ..."""
+    """Return the moment (2, 2), v v^T omega^(-2 `power`) summed over all bending modes `first`, `first` + 2, ...
+
+    A free beam's mode, for unit length, mass and stiffness, has frequency omega, and deflection and slope v at an end.
+    """
     moment = _CONTEXT.matrix(2, 2)
     k = first
     while k <= _ASYMPTOTIC:

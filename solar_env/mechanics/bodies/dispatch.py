@@ -18,9 +18,10 @@ def _hold(body, a):
 
 @kernel
 def solve_body(body, constants, q, v, force, a, with_velocity):
-    """Write a body's accelerations under `force` (n,), without joints, to `a`; return the length constraint multiplier.
+    """Write a body's accelerations under `force` (n,), without joints, to `a` (n,), and return a Lagrange multiplier.
 
-    `with_velocity` is 1, or 0 to omit velocity terms: `a` is then linear in `force`. Return 0 without that constraint.
+    The multiplier keeps the distance of a rigid body's two base points constant; it is 0 for beams and fixed bodies.
+    `with_velocity` is 1, or 0 to omit velocity terms: `a` is then linear in `force`.
     """
     if body.fixed:
         _hold(body, a)
@@ -55,7 +56,10 @@ def add_mass_product(body, constants, a, out):
 
 @kernel
 def add_mass_matrix(body, constants, elimination, matrix):
-    """Add a body's mass matrix to the sparse profile matrix `matrix`, whose order is `elimination` (`profile.py`)."""
+    """Add the mass matrix of a body that is not fixed to the sparse matrix `matrix` (`ProfileMatrix`).
+
+    The array `constants` stores beams' mass matrices; `elimination` gives each coordinate's place in `matrix`.
+    """
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:

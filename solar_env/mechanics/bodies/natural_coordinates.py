@@ -2,7 +2,8 @@
 
 The mass matrix is constant and the only constraint is the length. The multiplier of a single body therefore has a
 closed form (J. Garcia de Jalon and E. Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
-doi:10.1007/978-1-4612-2600-0; Li et al. 2019, Eqs 8-15). 2 x 2 blocks are a I + b J, with J the turn by 90 degrees.
+doi:10.1007/978-1-4612-2600-0; Li et al. 2019, Eqs 8-15). The mass matrix and its inverse consist of 2 x 2 blocks
+a I + b J, stored as factors a and b; J is the rotation by 90 degrees.
 """
 
 import math
@@ -206,7 +207,10 @@ def add_length_force(body, q, multiplier, out):
 
 @kernel
 def add_length_border(body, q, row, elimination, matrix):
-    """Add a length constraint's gradient to the `matrix` row and column that `elimination` gives multiplier `row`."""
+    """Add the gradient of a rigid body's length constraint to the row and the column of its multiplier in `matrix`.
+
+    `row` is the multiplier's index among all unknowns, and `elimination` gives each unknown's place in `matrix`.
+    """
     k = body.offset
     for axis in range(2):
         d = q[k + 2 + axis] - q[k + axis]

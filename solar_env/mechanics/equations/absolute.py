@@ -77,7 +77,7 @@ class AbsoluteCoordinates(Formulation):
         return KINDS[row["kind"]].centreline(row, of_body, points_per_element)
 
     def modal_range(self, model: Model, state: State) -> tuple[float, float]:
-        """Return zero for modal panels' end slope [rad] and for their spin / lowest frequency: no panel is modal."""
+        """Return zero maxima of panels' end slope [rad], and of spin divided by lowest frequency: no panel is modal."""
         return 0.0, 0.0
 
     def constraint_force_defect(self, model: Model, state: State) -> tuple[float, float]:

@@ -21,12 +21,9 @@ _Row = dict[int, float]
 
 
 def compile_mechanism(mechanism: Mechanism) -> tuple[m.Model, m.State]:
-    """Compile a mechanism into its constant model and its initial state.
+    """Compile a mechanism into its constant model and its initial state, which must satisfy the constraints.
 
-    The described initial motion must satisfy the constraints; `Simulation` checks that it does.
-
-    Raises:
-        ValueError: if a body is a `ModalPanel`, or if a part cannot be attached to its body or at its point.
+    Raise a ValueError if a body is a `ModalPanel`, or if a part cannot be attached to its body or at its point.
     """
     return _Compiler(mechanism).compile()
 
@@ -190,7 +187,11 @@ class _Compiler:
         return np.array(rows, dtype=m.load_type)
 
     def _elimination(self, bodies: NDArray[np.void], joints: NDArray[np.void], cables: NDArray[np.void]) -> Elimination:
-        """Return the elimination order: four coordinates (a node) at a time, multipliers after the last they act on."""
+        """Return the order in which the unknowns of implicit steps are eliminated, and the profile of their matrix.
+
+        The four coordinates of a beam's node or a rigid body come together, body by body. A constraint's multiplier
+        follows the last coordinate on which the constraint acts. Coordinates of fixed bodies are left out.
+        """
         n, rows = self.size, len(self.rows)
         position = np.full(n + rows + len(self.described), -1, dtype=np.int64)
         held = {body["offset"] + i for body in bodies if body["fixed"] for i in range(body["coordinates"])}

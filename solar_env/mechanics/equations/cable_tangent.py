@@ -25,8 +25,8 @@ _INNER, _OUTER, _TURN, _LENGTH = range(4)
 def add_cable_slopes(model, cable, q, v, tangent, by_q):
     """Subtract a cable loop's dQ/dq from the profile matrix `by_q`, where Q are the loop's generalized forces.
 
-    The loop's torques times the Hessians of the bodies' direction angles must already be in `by_q`: `fill_tangents`
-    adds them for the sum of each joint's torques. `tangent` must hold joints' loads, angle gradients and coordinates.
+    Terms with Hessians of the bodies' direction angles must already be in `by_q`: `fill_tangents` adds them for each
+    joint's total torque, cable loops included. `tangent` must hold joints' loads, angle gradients and coordinates.
     """
     joints, markers, elimination, loads = model.joints, model.markers, model.elimination, tangent.loads
     a, o = cable.joint_a, cable.joint_b
@@ -56,12 +56,13 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
 
 @kernel
 def add_chord_slopes(model, cable, q, torque, tangent, by_q):
-    """Write gradients of a cable loop's wheel angles, chord angle and chord length to `tangent.cable_gradient` (4, 16).
+    """Write a cable loop's gradients to `tangent.cable_gradient` (4, 16), and correct the stiffness matrix `by_q`.
 
-    The chord is the line between the loop's joints. The loop's `torque` [N m] on the outer joint gives a torque at each
-    end of the body between. `by_q`, the profile matrix of -dQ/dq, already has these torques times the Hessians of the
-    direction angles of these ends. Replace these terms by the sum of the two torques times the Hessian of the chord's
-    angle, because the loop really acts by forces on the ends of the chord.
+    The chord is the line between the loop's joints. The rows are gradients of the inner and outer wheel's angles and of
+    the chord's angle and length, with respect to the joints' sixteen coordinates. In `by_q`, the loop still exerts
+    torques, which follow from its `torque` [N m] on the outer joint, on the two ends of the body between the joints.
+    Really it acts by forces on the chord's ends. The torques times the Hessians of the ends' direction angles are
+    therefore replaced by the sum of the torques times the Hessian of the chord's angle.
     """
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]

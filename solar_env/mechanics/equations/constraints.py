@@ -91,7 +91,10 @@ def drive_angle(drive, time):
 
 @kernel
 def set_drive_rows(model, time, row_value):
-    """Write coefficients of drives' constraints, which fix marker directions at `time` [s], to rows of `row_value`."""
+    """Write the coefficients of drives' constraints at `time` [s] to the drives' rows of `row_value` (m, ROW_ENTRIES).
+
+    A drive fixes a marker's direction. Its row's first four entries become factors of the marker's four coordinates.
+    """
     for k in range(model.drives.size):
         drive = model.drives[k]
         marker = model.markers[drive.marker]
@@ -153,9 +156,10 @@ def add_columns(model, work, multipliers, x):
 
 @kernel
 def subtract_response(model, q, work, multipliers, x):
-    """Subtract from `x` (n,) the bodies' response P A^T `multipliers` to the forces of joints and drives, A q = b.
+    """Subtract the bodies' response P A^T `multipliers` to the constraint forces of joints and drives from `x` (n,).
 
-    P gives the accelerations at `q` per generalized force, without joints but with lengths of rigid bodies kept.
+    A (m, n) is the matrix of the linear constraints A q = b of ideal joints and drives. P gives the accelerations at
+    `q` per generalized force, without joints but with lengths of rigid bodies kept. `work` has A and scratch arrays.
     """
     bodies, row_force, solution = model.bodies, work.row_force, work.solution
     for i in range(row_force.size):

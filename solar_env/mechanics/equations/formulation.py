@@ -40,11 +40,7 @@ class Formulation(ABC):
 
     @abstractmethod
     def compile(self, mechanism: Mechanism) -> tuple[ModelArrays, StateArrays]:
-        """Compile a mechanism into its model and its initial state.
-
-        Raises:
-            ValueError: if the mechanism has a part that the formulation cannot model.
-        """
+        """Compile a mechanism into model and initial state; ValueError if the formulation cannot model a part of it."""
 
     @abstractmethod
     def begin(self, model: ModelArrays, state: StateArrays) -> None:
@@ -80,4 +76,4 @@ class Formulation(ABC):
 
     @abstractmethod
     def constraint_force_defect(self, model: ModelArrays, state: StateArrays) -> tuple[float, float]:
-        """Return the greatest error of constraint forces in `state` against exact ones, and the greatest force [N]."""
+        """Solve for constraint forces; return the greatest error of those in `state`, and the greatest force [N]."""

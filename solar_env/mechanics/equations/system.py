@@ -110,7 +110,11 @@ def acceleration_response(model, q, work, force, a):
 
 @kernel
 def applied_forces(model, joint_states, q, v, work):
-    """Write generalized forces (no constraint forces) to `work.force`, joint loads to `.loads`, powers to `.power`."""
+    """Write generalized forces, without constraint forces, to `work.force` (n,), and joints' loads to `work.loads`.
+
+    `work.power` gets the rates of change of `State.integrals`: powers [W] of the forces and torques in each joint, of
+    load torques and of material damping, and impulse rates [N].
+    """
     force, power, loads = work.force, work.power, model.loads
     copy_into(force, model.constant_force)
     external = 0.0
@@ -144,8 +148,8 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Write accelerations to `a` (n,), joint loads and powers to `work`; return False if constraints are redundant.
 
-    Write Lagrange multipliers of linear constraints, then of bodies, to `multipliers` (m + bodies,). The function is
-    `inlined_accelerations` compiled only once: compiling it anew inside every caller would take long.
+    `multipliers` (m + bodies,) gets Lagrange multipliers: m of linear constraints, then one per body, which keeps the
+    distance of a rigid body's two base points constant. This is `inlined_accelerations`, compiled once for all callers.
     """
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 

@@ -104,7 +104,10 @@ def first_event(model, state, settings, arrays, h):
 
 @kernel
 def is_passed(model, state, settings, arrays, j, kind, h, sign):
-    """Return whether the step `h` [s] ends after an event (sign 1), or before it (-1), by more than the tolerance."""
+    """Return whether a step `h` [s] ends beyond (`sign` 1) or before (-1) the contact, latching or stop of joint `j`.
+
+    `kind` selects the event; `arrays` hold the motion. Up to 1e-6 rad or a millionth of the clearance count as neither.
+    """
     tolerance = _TOLERANCE * (model.joints[j].clearance if kind == CONTACT_START else 1.0)
     return sign * event_function(model, state, settings, arrays, j, kind, h, 1.0) > tolerance
 
@@ -114,9 +117,8 @@ def place_of_event(model, state, settings, arrays, h, joint, kind):
     """Return where the step `h` [s] must end: (fraction of it, joint, event kind, whether to solve to there again).
 
     If the step has been cut before, to end at an event, `joint` and `kind` are this event; otherwise they are unused.
-    The solution of a cut step differs slightly, and a long step's interpolant misses vibrations. All joints are
-    therefore checked again after every cut. The fraction is 1 if the step ends unchanged; fraction * h is at most
-    SMALLEST_PART [s] if the event is at the step's start.
+    All joints are checked again after every cut, because the shorter step's solution differs slightly. The fraction is
+    1 if the step ends unchanged. Fraction * h is at most SMALLEST_PART [s] if the event is at the step's start.
     """
     cuts = arrays.trial[0].cuts
     share, other, found = first_event(model, state, settings, arrays, h)
@@ -134,7 +136,10 @@ def place_of_event(model, state, settings, arrays, h, joint, kind):
 
 @kernel(inlined=False)
 def begin_event(model, state, settings, arrays, j, kind, time, speed):
-    """Begin event `kind` of joint `j` at `time` [s]: latch, stop or contact at `speed` [m/s]; `arrays`: work arrays."""
+    """Begin a contact, a latching or the engagement of a stop (`kind`) of joint `j` at `time` [s], in `state`.
+
+    A contact stores its approach speed `speed` [m/s] and its duration, estimated from the mass that `arrays` give.
+    """
     joint, joint_state = model.joints[j], state.joints[j]
     if kind == LATCHING:
         latch(model.joints, state, j, time)

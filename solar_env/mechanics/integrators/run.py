@@ -4,7 +4,6 @@ During a step the contact mode of each joint is frozen, so that a step into a be
 The wall is then located on the motion inside the step (`events.py`). The step is shortened to end at the wall, and the
 contact starts with the exact approach speed. Latchings and stop engagements are treated likewise. Steps in an impact
 are bounded by a fraction of the impact's duration, which is predicted from impact speed and stiffness.
-`methods/table.py` lists the kernels that a method provides.
 """
 
 import math
@@ -184,7 +183,11 @@ def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
 
 @kernel
 def begin_at_once(model, state, settings, arrays, joint, kind):
-    """Begin event `kind` (contact, latch, stop) of `joint` at `state`, without taking a step; return a status code."""
+    """Begin event `kind` of `joint` at `state` without taking a step, and update the method's work `arrays`.
+
+    Kinds are CONTACT_START, LATCHING and STOP_ENGAGEMENT. Return the status code DONE, or EVENTS_PILE_UP after 1000
+    such events without a step between them, or SINGULAR_CONSTRAINTS.
+    """
     trial = arrays.trial[0]
     trial.at_once += 1
     if trial.at_once > _MOST_EVENTS_AT_ONCE:
@@ -201,7 +204,7 @@ def begin_at_once(model, state, settings, arrays, joint, kind):
 
 @kernel
 def check_state(model, state, arrays):
-    """Check for NaN, penetrations beyond journal radii and angles near their jump by 2 pi; return a status code."""
+    """Check that `state` is finite, and depths and angles in `arrays.motion` are in range; return a status code."""
     if not (all_finite(state.q) and all_finite(state.v)):
         return fail(state, m.NOT_FINITE, -1, math.nan)
     for j in range(model.joints.size):
@@ -214,7 +217,10 @@ def check_state(model, state, arrays):
 
 @kernel
 def take_step(model, state, settings, recorder, end_time, arrays):
-    """Try a step towards `end_time` [s]; if the error allows, accept it up to its first event. Return a status code."""
+    """Try a step towards `end_time` [s]; if its error is within the tolerance, accept it up to its first event.
+
+    `arrays` are the method's work arrays. Return the status code DONE, even after a rejection, or an error's code.
+    """
     trial = arrays.trial[0]
     choose_step(model, state, settings, arrays, end_time)
     h, share, joint, kind, again = trial.step, 1.0, np.int64(-1), NO_EVENT, True

@@ -75,8 +75,9 @@ class Rosenbrock(RungeKutta):
     """Settings of explicit Runge-Kutta with linearly implicit steps where they save time (`methods/rosenbrock.py`).
 
     Stiff vibrations of flexible bodies do not limit the size of linearly implicit steps. In impacts, and wherever
-    accuracy needs short steps anyway, steps remain explicit. Impacts amplify earlier errors. With flexible bodies,
-    explicit steps reduce velocity_scale by themselves while all speeds are below twice its value. Drives are refused.
+    accuracy needs short steps anyway, steps remain explicit. Since impacts amplify earlier errors, explicit steps with
+    flexible bodies tighten the tolerance in slow motion: while all speeds are below 2 velocity_scale, the scale in the
+    tolerance falls with the square of the greatest speed. Mechanisms with drives are refused.
     """
 
     rtol: float = 1e-4
@@ -112,8 +113,7 @@ class GeneralizedAlpha:
 
     Attributes:
         step: longest step [s]; a call of `advance` is divided into equal steps.
-        rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives Newmark's trapezoidal scheme, beta = 1/4,
-            gamma = 1/2.
+        rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives Newmark's trapezoidal scheme.
         newton_tolerance: tolerance of a Newton correction of coordinates, relative to the longest body's length.
         max_steps: most steps per call of `advance`; the default takes about a minute with rigid panels.
     """
@@ -180,9 +180,8 @@ def alpha_coefficients(rho_inf: float) -> tuple[float, float, float, float]:
 def steps_per_impact(rho_inf: float) -> int:
     """Return the number of steps that generalized-alpha needs in a Hertzian impact for an exit speed good to 1 %.
 
-    At least 8 steps are needed, since an impact starts and ends inside a step. A small `rho_inf` needs more steps:
-    algorithmic damping multiplies the speed by the amplification matrix's spectral radius in every step. The radius is
-    taken at the contact's frequency at the greatest depth.
+    At least 8 steps are needed, since an impact starts and ends inside a step. A small `rho_inf` needs more: every step
+    multiplies the speed by the amplification matrix's spectral radius at the contact's frequency at the greatest depth.
     """
     steps = _FEWEST_IMPLICIT_STEPS
     while amplification_radius(rho_inf, _HERTZ_PHASE / steps) ** steps < 0.99:

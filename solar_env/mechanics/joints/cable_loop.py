@@ -2,9 +2,8 @@
 
 The inner wheel is fixed to the body inboard of the inner joint, the outer wheel to the body outboard of the outer
 joint. The body between the joints is the carrier. The strands run along its chord, the straight line from hinge to
-hinge, and the wheels' angles are measured relative to this chord. On a rigid carrier, a wheel's angle is the joint's
-angle. On a carrier that bends, the loop's generalized forces are its torques times the gradients of the wheels' angles:
-the loop pulls at the hinges, across the chord, and exerts no torque on the carrier's ends.
+hinge, and the wheels' angles are measured relative to this chord. On a rigid carrier, they are the joints' angles. If
+the carrier bends, the loop pulls at its hinges, across the chord, and exerts no torque on its ends.
 
 A loop with a given wheel radius also pulls on the bearings (Eq 3). It runs between the wheels' centres, which differ
 from the hinges by the clearances. The wheels' radii are r1 and r2, the distance of their centres is d. As d grows, each
@@ -93,10 +92,11 @@ def chord(cable, markers, q):
 
 @kernel
 def wheel_motion(cable, joints, markers, q, inner, outer):
-    """Return ratio * (inner wheel's angle) - (outer wheel's angle) [rad] and the distance [m] of a cable loop's joints.
+    """Return a cable loop's mismatch, wheel ratio * inner angle - outer angle [rad], and its joints' distance [m].
 
-    Wheel angles are measured from the line between the joints. If `chord_sense` is 0, they are the joint angles
-    `inner`, `outer` [rad], and the distance is given as 0.
+    If `cable.chord_sense` is 0, the wheels' angles are the joint angles `inner` and `outer` [rad], and the distance is
+    given as 0. If it is 1 or -1, since the body between the joints bends or the loop pulls on the bearings, the angles
+    are measured from the line between the joints.
     """
     length = 0.0
     if cable.chord_sense != 0:

@@ -13,36 +13,26 @@ _power_scales = kernel(PowerLaw.impact_scales, inlined=False)
 
 
 class ContactMotion(NamedTuple):
-    """Line of centres of a contact, and the velocities along and across this line.
+    """Line of centres of a contact, and the velocities along and across this line."""
 
-    Attributes:
-        depth: penetration depth [m], negative for a gap.
-        normal_x, normal_y: unit vector from bearing centre to journal centre; (-normal_y, normal_x) points across it.
-        radius: distance between the centres [m].
-        lever: distance from the bearing's centre to the contact point [m].
-        rate: rate of the depth [m/s].
-        centre_speed: speed of the journal's centre relative to the bearing's centre, across the line of centres [m/s].
-        slip: speed of the journal's material point relative to the bearing's material point [m/s].
-        sliding_speed: speed that friction and wear use [m/s]: slip, centre speed, or speed of the contact point.
-    """
-
-    depth: float
-    normal_x: float
+    depth: float  # penetration depth [m], negative for a gap
+    normal_x: float  # unit vector from bearing centre to journal centre; (-normal_y, normal_x) points across it
     normal_y: float
-    radius: float
-    lever: float
-    rate: float
-    centre_speed: float
-    slip: float
-    sliding_speed: float
+    radius: float  # distance between the centres [m]
+    lever: float  # distance from the bearing's centre to the contact point [m]
+    rate: float  # rate of the depth [m/s]
+    centre_speed: float  # of the journal's centre relative to the bearing's, across the line of centres [m/s]
+    slip: float  # speed of the journal's material point relative to the bearing's material point [m/s]
+    sliding_speed: float  # speed that friction and wear use [m/s]: slip, centre speed, or speed of the contact point
 
 
 @kernel
 def sliding_share(joint, depth):
     """Return the partial derivative of the sliding speed with respect to the centres' relative speed at `depth` [m].
 
-    `joint.sliding` defines the sliding speed. If it is PLACES, the speed at which the contact point moves round, the
-    derivative in contact is depth / (clearance + depth). Otherwise it is 1.
+    `joint.sliding` defines the sliding speed. If it is PLACES, the sliding speed in contact is the depth times the
+    turning rate of the line of centres (Li et al. 2019, Eq 35), and the derivative is depth / (clearance + depth).
+    Out of contact, and for the definitions MATERIAL and CENTRES, the derivative is 1.
     """
     if joint.sliding == PLACES:
         return where_less(0.0, depth, depth / (joint.clearance + depth), 1.0)
@@ -97,8 +87,7 @@ def depth_under(joint, load, rate, impact_speed, give):
 
     `rate` is the depth's rate [m/s], and `give` is how far both bodies yield per unit force [m/N]. `load`, `rate` and
     `give` are vectors with an element per stage of a step. All three results are zero where the surfaces part fast or
-    carry no load. They are zero, too, where the contact is no stiffer than its bodies: where its slope by depth is at
-    most 1 / `give`. The caller then uses the present depth.
+    carry no load, or where the slope by depth is at most 1 / `give`. The caller then uses the present depth.
     """
     stiffness, exponent, damping = joint.contact[0], joint.contact[1], joint.contact[2] / impact_speed
     bracket = 1.0 + damping * rate

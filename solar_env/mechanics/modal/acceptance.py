@@ -40,15 +40,19 @@ def at_start(course):
 
 @kernel
 def vibration_defect(panels, panel, free, held, d, h, kind, group):
-    """Return the error [m/s] of a panel's end due to those vibrations of one mode `group` that a step cannot resolve.
+    """Return the error [m/s] of a panel's end due to those vibrations that a step `h` [s] cannot resolve.
 
-    A mode group has the bending or axial modes that are even, or odd, about the panel's middle. `kind` is 0 for the
-    error of the end's velocity, 1 for its deflection's error times the modes' frequencies. The result is the error of
-    the free motion, `panel.defect`, minus the errors of deflections that loads and foreshortening hold at the start of
-    the step `h` [s], since these do not vibrate. `panel` also has the end loads and foreshortening's forces at the
-    stages. `held` (kinds, groups, 2) has minus the error of the deflection under a unit end force and a unit end
-    moment. `free` (modes, 2 COLUMNS) has, for each mode, eight numbers per unit start value, then eight per unit start
-    rate; both have the errors at the indices DEFECT_LANES. `d` is the panel's design, an index into `panels`.
+    It is the error of the free motion minus the errors of the deflections that loads and foreshortening hold at the
+    start of the step, since these do not vibrate.
+
+    Args:
+        panels: constants of the panel designs, of which this panel has the design with index `d`.
+        panel: record of the free motion's error (`defect`), end loads (`load`), and modal forces of foreshortening.
+        free: (modes, 16) motion of each mode in the step without loads. Per unit start amplitude it has the values at
+            the three stages, the error of `kind` 0, the rates, and the error of `kind` 1; the same per unit start rate.
+        held: (kinds, groups, 2) errors, times -1, of the deflection that a unit end force or a unit end moment holds.
+        kind: 0 for the error of the end's velocity, 1 for its deflection's error times the modes' frequencies.
+        group: index of the mode group, the bending or axial modes that are even, or odd, about the panel's middle.
     """
     defect = panel.defect[kind, group]
     for j in range(values_of(group)):
@@ -74,8 +78,8 @@ def deviation(state, work, k):
 def step_error(model, state, work, settings, tables, level, h):
     """Return the error of a solved step `h` [s] in units of the tolerances: the greatest error of any load or panel.
 
-    The error of a load, a torque or force of a joint or cable loop, is the difference at the step's start between it
-    and the polynomial through its values at the three stages. If the previous step was over 100 times as long, the
+    Loads are the torques and forces of joints and cable loops. A load's error is its difference, at the step's start,
+    from the polynomial through its values at the three stages. If the previous step was over 100 times as long, the
     error of an ideal joint's force is limited to the force's change from the first to the last stage. A panel's error
     is the difference between computed and exact vibration of its ends. `level` is the step size's index in `tables`.
     """
@@ -127,11 +131,15 @@ def put_number(array, k, number):
 def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
     """Advance a panel's mode `k`, or the four modes from `k` on, by a step; return (new rate * `frequency`)^2.
 
-    Pass `number_at`, `put_number` as `take`, `put` for one mode, `load4`, `store4` for four. `q`, `v`, `frequency` have
-    an entry per mode; amplitudes `q` and rates `v` are overwritten. `ends` (END_ROWS, modes) is the motion at the
-    step's end: rows 0 to 4 are the amplitude per unit start amplitude, start rate, and load at each of three stages;
-    rows 5 to 9 are the rate per unit of the same. `load` (2, stages) is the force and the moment on the panel's ends.
-    `shapes` (2, modes) is an end's deflection and slope in each mode, which weight force and moment in the mode's load.
+    Args:
+        ends: (END_ROWS, modes) motion at the step's end. Rows 0 to 4 are the amplitude per unit start amplitude, start
+            rate, and load at each of three stages; rows 5 to 9 are the rate per unit of the same.
+        shapes: (2, modes) deflection and slope of the panel's first end in each mode.
+        frequency, q, v: (modes,) angular frequencies [rad/s], amplitudes and rates; the last two are overwritten.
+        load: (2, stages) force and moment on the first end that act on these modes like the loads on both ends: a
+            mode's load is its deflection * force + slope * moment.
+        take, put: functions that read and write an array from element `k` on: `number_at` and `put_number` for one
+            mode, `load4` and `store4` for four.
     """
     value, rate, one, other = take(q, k), take(v, k), take(shapes[0], k), take(shapes[1], k)
     moved = take(ends[0], k) * value + take(ends[1], k) * rate
@@ -150,8 +158,9 @@ def move_modes(ends, shapes, frequency, load, q, v, k, take, put):
 def move_panel(panels, panel, ends, d, q, v):
     """Advance a panel's modal amplitudes `q` and rates `v` over the step; return its damping power [W] at the end.
 
-    `panel` holds the loads at the stages; `d` is the panel's design, an index into `panels`. `ends` (END_ROWS, modes)
-    has amplitudes, then rates, at the step's end per unit start amplitude, start rate, and load at each stage.
+    `panel` has the loads at the stages, and `panels` the constants of its design, at index `d`. `ends` (10, modes) has
+    the motion at the step's end per unit start amplitude, start rate, and load at each of three stages: amplitudes in
+    rows 0 to 4, rates in rows 5 to 9.
     """
     total = 0.0
     for group in range(GROUPS):
@@ -178,7 +187,10 @@ def move_panel(panels, panel, ends, d, q, v):
 
 @kernel
 def note_extremes(model, state, work, v):
-    """Update `state.extremes`: greatest slope of a panel's end [rad], and ratio of spin (`v`) to lowest frequency."""
+    """Update the maxima, since the run's start, of a panel end's slope [rad] and of a panel's spin / lowest frequency.
+
+    They are the two entries of `state.extremes`. The slopes are read from `work`, the spins from the velocities `v`.
+    """
     panels, extremes = model.panels, state.extremes
     even, odd = panels.first[BENDING_EVEN], panels.first[BENDING_ODD]
     for b in range(model.bodies.size):

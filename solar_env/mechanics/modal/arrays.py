@@ -1,8 +1,8 @@
 """Arrays of a mechanism of rigid bodies and modal panels: constants, state, scratch. All quantities are in SI units.
 
 A body's coordinates are its centre of mass, its angle and, for a panel, its amplitudes of bending, then axial modes.
-Scratch arrays hold the motion at the three stages of a step; their last axis, of length LANES = 4, is the stage. The
-state holds the motion at the start of a step, and takes over the motion at the end of every accepted step.
+Scratch arrays hold the motion at the three stages of a step. Their last axis is the stage; its fourth element repeats
+the third to fill a vector (LANES = 4). The state holds the motion at the start of a step.
 """
 
 from typing import NamedTuple

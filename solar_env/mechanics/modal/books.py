@@ -1,7 +1,4 @@
-"""Time integrals, force maxima and stored energies of an accepted step, and samples inside a step.
-
-A sample interpolates coordinates by cubics, and loads by the polynomials through their values at the stages.
-"""
+"""Time integrals, force maxima and stored energies of an accepted step, and samples inside a step."""
 
 import math
 
@@ -72,7 +69,8 @@ def note_arcs(work, joint, scratch, slid):
 def add_integrals(model, state, work, h):
     """Add all joints' works, losses and impulses in the step `h` [s], which `work` describes, to `work.integrals`.
 
-    A stop's loss is summed over the stages; but if it lets go, the step's ends give the change of its stored energy.
+    A stop's loss is the work done on it minus the increase of its stored energy. Both are sums over the stages. If the
+    stop lets go in the step, however, its stored energies at the step's start and end give the increase.
     """
     integrals, weights = work.integrals, h * load4(_WEIGHTS, 0)
     for j in range(model.joints.size):
@@ -115,7 +113,7 @@ def note_peaks(model, state, work, h, share):
     """Raise the joints' force maxima to the step's greatest contact forces.
 
     If the force is greatest at a stage before the step's end, the maximum of the parabola through this value and both
-    neighbours counts. Other methods need the step `h` [s] and its accepted fraction `share`; this kernel ignores both.
+    neighbours counts. The arguments `h` and `share`, which other methods need, are ignored.
     """
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
@@ -151,7 +149,7 @@ def panel_energies(model, body, q, v, work, energies):
 
 @kernel(inlined=False)
 def stored_energies(model, state, q, v, work, energies):
-    """Write the energies [J] at `q`, `v` to `energies` in the order of `ENERGY_NAMES`; `work` must hold this motion."""
+    """Write energies [J] to `energies` in the order of `ENERGY_NAMES`; call `look_at` first with `q`, `v`, `work`."""
     energies[:] = 0.0
     for b in range(model.bodies.size):
         body = model.bodies[b]
@@ -224,7 +222,8 @@ def sample_modal(model, state, settings, work, recorder, h, share):
     """Store motion, loads, energies and time integrals at a fraction `share` of a step in a row of `recorder.samples`.
 
     The step `h` [s] runs from `state` to the motion in `work`. Coordinates are cubics, whose slopes are the velocities
-    of bodies. Modal velocities, and works, losses and impulses, are interpolated linearly.
+    of bodies. Forces are polynomials through their values at the stages; torques and friction follow from the motion.
+    Modal velocities, and works, losses and impulses, are interpolated linearly.
     """
     n, rest = state.q.size, 1.0 - share
     row = recorder.samples[recorder.filled[0]]

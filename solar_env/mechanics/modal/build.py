@@ -61,10 +61,11 @@ def design(panel: ModalPanel) -> _Design:
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
     """Rearrange the matrices K (`project`) and S (`ends`) of `quadratic_forms` as an array (2, LOW, LOW, FORMS).
 
-    Bending coordinates are in two groups: even or odd about the panel's middle. The first `coupled` of them are mode
-    amplitudes. Axes of the result: first coordinate's group, its index in the group, second coordinate's index in its
-    own group, form. Forms 0 to 2 are K of both odd axial modes and half the difference of the ends' S; the coordinates
-    are in one group. Forms 3 and 4 are K of the even axial mode and half the sum of S, with coordinates in both groups.
+    Rows belong to bending coordinates: `coupled` mode amplitudes, then end motion due to others. Axes of the result:
+    first coordinate's group (even or odd about the panel's middle), its index in the group, second coordinate's index
+    in its own group, form. Forms 0 to 2 are K of both odd axial modes and half the difference of the ends' S, with
+    coordinates in one group. Forms 3 and 4 are K of the even axial mode and half the sum of S, with coordinates in
+    both.
     """
     forms = np.zeros((2, LOW, LOW, FORMS))
     # The lowest bending modes are even and odd by turns; then come the end values of the other modes.
@@ -119,8 +120,8 @@ def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, 
     """Return constants and response tables of panel `designs`, which all simulations share and only read.
 
     The tables hold the motion of modes and ends under loads, for many step sizes h. They are exact for modes of angular
-    frequency omega with omega h < 2, and with omega h < `exact` if the damping ratio exceeds 0.02. The motion of other
-    modes, and of any with a damping rate of 1 / h or more, is computed by the Radau method.
+    frequency omega with omega h < 2. If the damping ratio exceeds 0.02, the limit is `exact`, which is greater than 2.
+    The motion of other modes, and of any with a damping rate of 1 / h or more, is computed by the Radau method.
     """
     parts = [_panel_constants(chosen) for chosen in designs]
     joined = {
@@ -214,7 +215,10 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
 def _bodies(
     described: list[AnyBody], designs: tuple[_Design, ...], amplitudes: int
 ) -> tuple[NDArray[np.void], NDArray[np.float64], NDArray[np.float64]]:
-    """Return bodies' records (`body_type`), initial coordinates and velocities; a panel has `amplitudes` modes."""
+    """Return the records (`body_type`), initial coordinates and initial velocities of the `described` bodies.
+
+    Records refer by index to `designs`, the panels' data such as length and mass. A panel has `amplitudes` modes.
+    """
     offsets = [0, *itertools.accumulate(3 + amplitudes * isinstance(body, ModalPanel) for body in described)]
     bodies = np.zeros(len(described), dtype=body_type)
     q, v = np.zeros(offsets[-1]), np.zeros(offsets[-1])

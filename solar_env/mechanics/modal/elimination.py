@@ -85,7 +85,7 @@ def substitute(matrix, inverses, first, end, residual, correction):
 
 @kernel
 def subtract_product(matrix, q, i, values, target):
-    """Subtract from `target`, load `i`'s 3 stages, block (`i`, `q`) of `matrix` times `values`, load `q`'s 3 stages."""
+    """Subtract `matrix`'s 3 x 3 block (equation `i`, load `q`) times the vector `values` from the vector `target`."""
     total = load4(target, 0)
     for k in range(STAGES):
         total = total - load4(matrix[STAGES * q + k, i], 0) * values[k]

@@ -67,9 +67,10 @@ def free_ends(panels, panel, tables, d, level, q, v):
 
 @kernel
 def forced_ends(panel, response, groups):
-    """Write to `panel.ends` the ends' motion in the first `groups` mode groups (even, odd bending; even, odd axial).
+    """Write the motion of a panel's ends under the end loads `panel.load`, at a step's stages, to `panel.ends`.
 
-    It is the motion without loads, `panel.free`, plus `response`, the motion per unit load, times `panel.load`.
+    It is the motion without loads, `panel.free`, plus the loads times `response`, the motion per unit load. Treat only
+    the first `groups` of the mode groups even bending, odd bending, even axial and odd axial.
     """
     for group in range(groups):
         for i in range(values_of(group)):
@@ -84,8 +85,9 @@ def forced_ends(panel, response, groups):
 def add_modal_forces(panels, panel, forced, d):
     """Add to `panel.ends` the motion caused by the forces that foreshortening exerts on the panel's lowest modes.
 
-    These forces are `panel.coupling`. `forced` (GROUPS, LOW, BY_LOAD) has, for each of these modes, the motion at the
-    stages per unit force at each stage. `d` is the panel's design, an index into `panels`.
+    These forces are `panel.coupling`. `forced` (mode groups, modes, 24) has each mode's motion per unit force at each
+    of a step's three stages in turn: four amplitudes, at the stages and again at the last one, then four rates. `d` is
+    the panel's design, an index into the constants `panels`.
     """
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
@@ -98,10 +100,12 @@ def add_modal_forces(panels, panel, forced, d):
 
 @kernel
 def foreshorten(forms, panel):
-    """Compute a panel's shortening by bending at the stages, and its gradient in the bending coordinates `panel.low`.
+    """Compute a panel's shortening by bending at a step's stages, and its gradient in bending coordinates, `panel.low`.
 
-    The shortening has five parts, which are quadratic forms of these coordinates with the matrices `forms` (2, LOW,
-    LOW, FORMS). Write the parts and their rates to `panel.shortening`, and their gradients to `panel.gradient`.
+    The shortening has five parts, each a quadratic form of the coordinates. Parts 0, 1 and 3 are its amplitudes in the
+    two lowest odd axial modes and in the lowest even one. Parts 2 and 4 are the remainder, which moves the ends
+    oppositely or alike. Write the parts and their rates to `panel.shortening`, their gradients to `panel.gradient`. The
+    matrix `forms[group, :, :, part]` gives the gradient in the coordinates of even (group 0) or odd bending (group 1).
     """
     value0 = value1 = value2 = value3 = value4 = splat4(0.0)
     rate0 = rate1 = rate2 = rate3 = rate4 = splat4(0.0)
@@ -152,7 +156,10 @@ def in_all_lanes(value, rate):
 
 @kernel
 def sum_ends(panels, panel, d, q, v):
-    """Write the end motion at mode amplitudes `q`, rates `v` to `panel.ends`; `d` is the panel's design in `panels`."""
+    """Write the motion of a panel's ends at mode amplitudes `q` and rates `v` to `panel.ends`, equal at all stages.
+
+    It has deflections, slopes, displacements and rates. `d` is the panel's design, an index into constants `panels`.
+    """
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
         values, rates = q[begin:end], v[begin:end]
@@ -166,10 +173,10 @@ def sum_ends(panels, panel, d, q, v):
 
 @kernel
 def take_rest(panels, panel, d, group, r, moved):
-    """Subtract bending mode `r`'s part from the end motion in `panel.low[group]`, which leaves the other modes' part.
+    """Subtract bending mode `r`'s part from the end deflection and slope that `panel.low[group]` holds.
 
-    In `panel.low[group]`, of even or odd modes, this deflection and slope follow the mode amplitudes. `moved` has the
-    amplitudes and rates of mode `r` at a step's stages. `d` is the panel's design, an index into `panels`.
+    They are rows after the lowest modes' amplitudes. After subtracting all, the higher modes' part remains. `moved`
+    (8,) has mode `r`'s amplitudes and rates at a step's stages. `d` is the panel's design, an index into `panels`.
     """
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]
@@ -178,9 +185,10 @@ def take_rest(panels, panel, d, group, r, moved):
 
 @kernel
 def shorten_pose(panels, panel, d, q, v):
-    """Add shortening by bending to the ends' displacements and velocities in `panel.ends`, in one configuration.
+    """Add a panel's shortening by bending to its ends' axial displacements and velocities in `panel.ends`.
 
-    Modal amplitudes are `q`, rates `v`. Call `sum_ends` before. `d` is the index of the panel's design in `panels`.
+    Modal amplitudes are `q`, rates `v`. Before, `sum_ends` must write the ends' motion without shortening. `panel` is
+    the panel's scratch record; `d` is the index of its design in the constants `panels`.
     """
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
@@ -197,12 +205,12 @@ def shorten_pose(panels, panel, d, q, v):
 
 @kernel
 def move_low(panels, panel, forced, d, group):
-    """Compute in `panel.low` the coordinates of a mode `group` that foreshortening couples, at the stages of a step.
+    """Write the amplitudes and rates of the lowest modes of a `group`, at a step's stages, to `panel.low[group]`.
 
-    They are the amplitudes of the group's lowest modes and, in bending, the end motion due to its other modes. They
-    follow from the free motion, the loads on the ends and foreshortening's modal forces, `panel.coupling`. `forced`
-    (GROUPS, LOW, BY_LOAD) has, for each lowest mode, the motion at the stages per unit modal force at each stage; end
-    loads act as such forces, too. `d` is the panel's design, an index into `panels`.
+    A bending group has two more rows: the end deflection and slope due to its higher modes. All follow from free
+    motion, end loads and the modal forces of foreshortening, `panel.coupling`. `forced` (mode groups, modes, 24) has
+    each mode's motion per unit modal force at each of the three stages in turn: four amplitudes, the last stage's
+    twice, then four rates. End loads act as such forces, too. `d` is the panel's design, an index into `panels`.
     """
     coupled, bending = panels.coupled[group], group < AXIAL_EVEN
     if bending:
@@ -226,16 +234,16 @@ def move_low(panels, panel, forced, d, group):
 
 @kernel
 def axial_form(group, r):
-    """Return the index in `Panels.forms` of the quadratic form of bending that gives an axial mode's shortening.
-
-    The mode has the number `r` in its `group`: AXIAL_EVEN or AXIAL_ODD, modes even or odd about the panel's middle.
-    """
+    """Return the index of axial mode `r`'s quadratic form in `Panels.forms`; `group` is AXIAL_EVEN or AXIAL_ODD."""
     return ODD_FIRST + r if group == AXIAL_ODD else EVEN_FIRST
 
 
 @kernel
 def push_axial(panels, panel, d):
-    """Write foreshortening's forces on axial modes to `panel.coupling`; `d` is the panel design's index in `panels`."""
+    """Write to `panel.coupling` the forces that shortening by bending exerts on a panel's lowest axial modes.
+
+    They follow from `panel.shortening`. `d` is the panel's design, an index into the constants `panels`.
+    """
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency = panels.frequency[d, panels.first[group] + r]
@@ -248,8 +256,9 @@ def push_axial(panels, panel, d):
 def push_bending(panels, panel, d):
     """Write to `panel.coupling` the forces that tension in a panel exerts on its bending coordinates, at the stages.
 
-    Forces on the end deflection and slope due to higher bending modes are added to the end loads `panel.load`. Also
-    write `panel.tension` and `panel.strain_rate`. `d` is the panel's design, an index into the constants `panels`.
+    The coordinates are the lowest modes' amplitudes, and the end deflections and slopes due to higher modes. Forces on
+    the latter are also part of the end loads `panel.load`, and are updated there. Also write `panel.tension` and the
+    axial modes' `panel.strain_rate`. `d` is the panel's design, an index into the constants `panels`.
     """
     for f in range(FORMS):
         store4(panel.tension[f], 0, splat4(0.0))
@@ -282,9 +291,10 @@ def push_bending(panels, panel, d):
 
 @kernel
 def bend(panels, panel, forced, d):
-    """Compute a panel's shortening by bending, `panel.shortening`, from the motion of its ends and its lowest modes.
+    """Compute a panel's shortening by bending at a step's stages, and write it to `panel.shortening`.
 
-    `forced` has the lowest modes' motion per unit force on them; `d` is the index of the panel's design in `panels`.
+    It follows from the motion of ends and lowest modes. `forced` has these modes' amplitudes and rates at the stages
+    per unit force at each stage. `d` is the panel's design, an index into `panels`.
     """
     for group in range(AXIAL_EVEN):
         move_low(panels, panel, forced, d, group)
@@ -293,11 +303,12 @@ def bend(panels, panel, forced, d):
 
 @kernel
 def couple(panels, panel, forced, d):
-    """Compute in `panel.coupling` foreshortening's forces on the axial modes, and then the tension's forces on bending.
+    """Compute the forces that bending and axial motion of a panel exert on each other in `panel.coupling`.
 
-    The tension follows from the forces on axial modes. Call `bend` before, with the same `forced` (modes' motion per
-    unit force) and `d` (panel design, index into `panels`). If bending forces act on the end deflections and slopes due
-    to higher bending modes, they are also added to the end loads `panel.load`.
+    Shortening by bending (call `bend` before, with the same arguments) exerts forces on axial modes. Their motion gives
+    the tension, which exerts forces on bending. If these act on the end deflections and slopes due to higher modes,
+    they also go to the end loads `panel.load`. `forced` has each mode's amplitudes and rates at the stages per unit
+    force at each stage. `d` is the panel's design, an index into `panels`.
     """
     push_axial(panels, panel, d)
     for group in range(AXIAL_EVEN, GROUPS):

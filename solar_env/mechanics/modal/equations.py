@@ -36,7 +36,7 @@ _RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 def enter_piece(load, piece):
     """Write `piece`, the branch of a load's law at each stage of a step, to `load.piece`.
 
-    A branch is a number for a smooth part, such as contact or gap. Return 1 at stages with a new one, else 0.
+    Branches are numbers of smooth parts, such as contact. Return a vector: 1 at stages with a change, else 0.
     """
     before = load4(load.piece, 0)
     store4(load.piece, 0, piece)
@@ -45,11 +45,11 @@ def enter_piece(load, piece):
 
 @kernel
 def torque_laws(model, state, work):
-    """Write to `work.loads` torques of joints, torques and pulls of cable loops at the stages, and their derivatives.
+    """Write the torques of joints, and the torques and pulls of cable loops, at a step's stages to `work.loads`.
 
-    Derivatives are by the motion on which the load works (`by_value`), such as the joint angle, and by this motion's
-    rate (`by_rate`). Return, for each stage, how many laws are on another branch (smooth part) than at the previous
-    call. Cable loops that slacken do not count, since Newton's method converges all the same.
+    A pull is a loop's force between its wheels' centres. Also write derivatives by the motion on which the load works
+    (`by_value`), such as the joint angle, and by this motion's rate (`by_rate`). Return a vector: for each stage, the
+    number of unknown joint torques on another branch (smooth part) than at the previous call.
     """
     changed = splat4(0.0)
     for j in range(model.joints.size):
@@ -95,11 +95,11 @@ def enter_row(work, r, load, diagonal):
 
 @kernel
 def contact_law(joint, joint_state, scratch, normal, tangential):
-    """Write a contact's normal force and friction at the stages to the load records `normal` and `tangential`.
+    """Write a contact's normal force and friction at a step's stages to the load records `normal` and `tangential`.
 
     Also write derivatives there: of the normal force by depth and its rate, of friction by sliding velocity and normal
-    force. `scratch` has the joint's motion, and sliding speeds of earlier calls. Return 1 at stages where the law is on
-    another branch (smooth part) than at the last call, else 0.
+    force. `scratch` has the joint's motion and, to detect reversals, earlier sliding speeds. Return a vector: 1 at
+    stages where the law is on another branch (smooth part) than at the last call, else 0.
     """
     motion, tried, speed_zero = scratch.motion, scratch.tried, joint_state.impact_speed
     depth, rate, speed = load4(motion[DEPTH], 0), load4(motion[DEPTH_RATE], 0), load4(motion[SLIDING_SPEED], 0)
@@ -133,7 +133,7 @@ def contact_law(joint, joint_state, scratch, normal, tangential):
 
 @kernel
 def contact_laws(model, state, work, n):
-    """Write to `work.loads` the forces of all contacts whose forces are among a step's `n` unknowns, and derivatives.
+    """Write the forces of all contacts whose forces are among a step's `n` unknowns, with derivatives, to `work.loads`.
 
     Return a vector: for each stage, the number of contacts in another case (gap, sliding, ...) than at the last call.
     """
@@ -150,8 +150,8 @@ def contact_laws(model, state, work, n):
 def reaction_law(state, work, r, h):
     """Write the equation of unknown `r`, a component of an ideal joint's reaction: its residual and derivatives.
 
-    The residual `work.residual[r]` is -(relative velocity + small velocity that closes the joint's gap) / (velocity
-    that a unit reaction causes in the step `h` [s]). Derivatives by position and velocity go to the load's record.
+    `work.residual[r]` is -(relative velocity + velocity that closes the initial gap) / (velocity that a unit reaction
+    causes in the step `h` [s]). Derivatives by position and velocity go to the load's record in `work.loads`.
     """
     j, kind, response, gain = work.unknowns[r].owner, work.unknowns[r].kind, work.mobility[r, r].response, 0.0
     for k in range(STAGES):

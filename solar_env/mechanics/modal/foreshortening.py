@@ -48,11 +48,11 @@ def bending_shapes(length: float, mass: float, modes: int, x: NDArray[np.float64
 
 
 def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return slopes (4, points) at points `x` [m] of static shapes that replace all bending modes except the lowest.
+    """Return slopes (4, points), at points `x` [m], of static shapes that stand for a free beam's higher bending modes.
 
-    `bending` is the number of these lowest modes. The shapes arise when loads act on the ends of a free beam; the
-    lowest modes' part is subtracted. Rows 0 and 1 are even about the middle, rows 2 and 3 odd. At the first end, rows 0
-    and 2 have unit deflection and no slope (slopes in 1/m), rows 1 and 3 unit slope and no deflection.
+    Higher modes are all but the `bending` lowest. The shapes combine deflections under end loads, minus the lowest
+    modes' part. Rows 0 and 1 are even about the middle, rows 2 and 3 odd. Of these differences, rows 0 and 2 have unit
+    deflection and no slope at the first end (slopes in 1/m), rows 1 and 3 unit slope and no deflection.
     """
     s, found = x / length, []
     shapes = bending_shapes(1.0, 1.0, bending, s)[1]
@@ -72,11 +72,12 @@ def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[
 def quadratic_forms(
     length: float, mass: float, bending: int, axial: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return matrices K (axial, n, n) and S (2, n, n) of the quadratic forms of foreshortening: shortening by bending.
+    """Return matrices K (axial, n, n) and S (2, n, n) of quadratic forms that give a panel's shortening by bending.
 
-    Its amplitude in each of the lowest `axial` axial modes is b^T K b / 2; the rest moves either end by b^T S b / 2.
-    The n = bending + 4 coordinates b are the amplitudes of the lowest `bending` modes, then the first end's deflection
-    and slope due to all other even modes, then its deflection and slope due to all other odd modes.
+    Bending with coordinates b displaces the panel's points along its axis. The displacement has the amplitude b^T K[k]
+    b / 2 in axial mode k of the lowest `axial` ones; its remainder at end e is b^T S[e] b / 2, positive towards the
+    second end. The n = bending + 4 coordinates are the amplitudes of the lowest `bending` modes, then the first end's
+    deflection and slope due to higher even modes, then due to higher odd modes; the second end's follow by symmetry.
     """
     project, ends = _unit_forms(bending, axial)
     scale = np.array([*[1.0 / math.sqrt(mass)] * bending, *[1.0, length] * 2]) / math.sqrt(length)
@@ -86,7 +87,10 @@ def quadratic_forms(
 
 @lru_cache(maxsize=64)
 def _unit_forms(bending: int, axial: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return quadratic forms K and S of a bent panel's shortening at unit length and mass, given numbers of modes."""
+    """Return K (axial, n, n) and S (2, n, n) of `quadratic_forms` for unit length and mass; n is `bending` + 4.
+
+    Shortening by bending has the amplitude b^T K[k] b / 2 in axial mode k, and a remainder b^T S[e] b / 2 at end e.
+    """
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     x, w = 0.5 * (nodes + 1.0), 0.5 * weights
     slope = np.concatenate([bending_shapes(1.0, 1.0, bending, x)[1], rest_slopes(1.0, bending, x)])

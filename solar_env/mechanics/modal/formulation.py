@@ -105,7 +105,7 @@ class FloatingFrames(Formulation):
         return float(slope), float(spin_ratio)
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Return the reactions' error, 0 N because steps solve for them, and a joint force's greatest component [N]."""
+        """Return the reactions' error, 0 as steps solve for them, and the greatest component of any joint force [N]."""
         return 0.0, float(np.abs(state.course[-2 * len(model.joints) :, LAST]).max(initial=0.0))
 
 
@@ -127,9 +127,9 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
     parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]
 
     def beyond(group: int, lowest: int) -> Array:
-        """Return the first end's motion (..., 2) due to all modes of a group except the first `lowest` ones.
+        """Return the part of the first end's motion (..., 2) due to all modes of a group except the first `lowest`.
 
-        It is (deflection, slope) for BENDING_EVEN and BENDING_ODD, (displacement, 0) for AXIAL_EVEN and AXIAL_ODD.
+        It is (deflection, slope) in bending, (displacement, 0) axially. The enclosing `amplitudes` are (..., modes).
         """
         return np.asarray(amplitudes[..., parts[group]][..., lowest:] @ panels.shapes[d, :, parts[group]].T[lowest:])
 

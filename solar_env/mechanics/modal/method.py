@@ -69,7 +69,7 @@ def set_load(state, k, load):
 
 @kernel(inlined=False)
 def start_loads(model, state, work):
-    """Compute the motion, and the torques of joints and cable loops, at the start of a run; store them in `state`."""
+    """Fill `state` with the motion, joint torques and cable loads that follow from its coordinates and velocities."""
     look_at(model, state.q, state.v, work)
     start_from_end(model, state, state.q, work)
     note_extremes(model, state, work, state.v)
@@ -81,7 +81,7 @@ def start_loads(model, state, work):
 
 @kernel
 def take_motion(model, state, work):
-    """Copy joints' depths, angles, rates to `work.motion`, and angles and rates for controllers to `state.views`."""
+    """Copy contact depths, joint angles and rates to `work.motion`, and motion for controllers to `state.views`."""
     for j in range(model.joints.size):
         motion, place, view = work.motion[j], state.motion[j], state.views[j]
         motion.depth, motion.depth_rate = place[DEPTH], place[DEPTH_RATE]
@@ -168,7 +168,7 @@ def angle_of_modal(model, state, work, j, h, share):
 
 @kernel
 def along(state, work, j, value, rate, h, share):
-    """Return joint `j`'s motion in column number `value` at fraction `share` of a step; column `rate` has its rate."""
+    """Return column `value` of `state.motion[j]`, whose rate is column `rate`, at fraction `share` of a step `h`."""
     start, end = state.motion[j], work.joints[j].motion
     return cubic(share, start[value], h * start[rate], end[value, LAST], h * end[rate, LAST])
 
@@ -239,7 +239,10 @@ def instantaneous_inverse_mass(model, state, j):
 
 @kernel
 def open_contact(model, state, work, j):
-    """Set a new contact's forces in `state.course`, the last step's loads; return its inverse effective mass [1/kg]."""
+    """Write joint `j`'s new contact forces to `state.course`, and return the contact's inverse effective mass [1/kg].
+
+    This array has loads at the last step's stages, from which the next step extrapolates; all stages get the same.
+    """
     joint, motion = model.joints[j], state.motion[j]
     # The loads matter where a run starts with a journal that is pressed into its bearing.
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)

@@ -1,9 +1,9 @@
 """Motion of bodies, joints and cable loops at the stages of a step, computed from the loads on the bodies.
 
-Vectors have one lane for each stage of a step; in a pose (one configuration) all lanes are equal. A cable loop runs
-over the inner wheel at a body's inboard joint and the outer wheel at its outboard joint. The wheels' angles are
-measured from its chord, the line between these joints (`joints/cable_loop.py`). The load of a loop is its torque on the
-outer wheel. If the loop conserves energy, its power is minus this torque times the rate of the wheel angles' mismatch.
+Vectors have a lane for each stage, or equal lanes for one configuration. A cable loop runs over the inner wheel at a
+body's inboard joint and the outer wheel at its outboard joint. The wheels' angles are measured from its chord, the line
+between these joints (`joints/cable_loop.py`). A loop's load is its torque on the outer wheel. If the loop conserves
+energy, its power is minus this torque times the rate of the wheels' mismatch, ratio * (inner angle) - (outer angle).
 """
 
 import math
@@ -115,9 +115,9 @@ def force_of(model, j):
 
 @kernel
 def cable_attachment(model, cable, face):
-    """Return the index in `model.attachments` of the point on which part `face` of a cable loop acts.
+    """Return the index in `model.attachments` of one of the four points on which a cable loop acts.
 
-    Parts 0 and 1 are the outer and inner wheel, 2 and 3 the inner and outer end of the chord between their joints.
+    `face` is 0 or 1 for the outer or inner wheel, 2 or 3 for the inner or outer end of the line between the joints.
     """
     if face == 0:
         return model.joints[cable.joint_b].outboard
@@ -131,10 +131,9 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
     """Return the force (x, y) [N] and torque [N m] that a cable loop exerts on one of its four attachments.
 
     `face` is 0 for the outer wheel, 1 for the inner wheel, 2 for the inner and 3 for the outer end of the chord, the
-    line between the loop's joints. `cable` is the loop's record in `model.cables`. `torque` [N m] acts on the outer
-    joint's angle, and -`ratio` * `torque` acts on the inner joint's angle. `pull` [N] draws the ends of the chord
-    together. The chord has a `length` [m]; (`across_x`, `across_y`) [1/m] is the unit vector across the chord, divided
-    by the length. Torque, pull, length and vector components may be vectors with a number for each stage of a step.
+    line between the loop's joints. `torque` [N m] acts on the outer joint's angle, and -`ratio` * `torque` on the inner
+    joint's angle. `pull` [N] draws the chord's ends together. (`across_x`, `across_y`) [1/m] is the unit vector across
+    the chord, divided by its `length` [m]. Torque, pull, length and components may be vectors over the stages.
     """
     inner, outer = -ratio * torque * model.joints[cable.joint_a].sign, torque * model.joints[cable.joint_b].sign
     nothing, moment = 0.0 * torque, inner - outer
@@ -152,10 +151,7 @@ def face_load(model, cable, across_x, across_y, length, face, torque, pull, rati
 
 @kernel
 def distribute_loads(model, state, work):
-    """Write the sums of joint and cable loads at the stages to `load` in the records of `work.bodies`, `work.panels`.
-
-    Directions and lever arms of the loads are those that the last iteration has left in `work`.
-    """
+    """Write the sums of joint and cable loads at the stages to `load` in records of `work.bodies`, `work.panels`."""
     nothing = splat4(0.0)
     for b in range(model.bodies.size):
         for i in range(3):
@@ -186,7 +182,7 @@ def distribute_loads(model, state, work):
 
 @kernel
 def turn_body(start, angle, turn):
-    """Rotate the unit vector `start` (2,) by an `angle` [rad] at each stage, and write the results to `turn` (2, 4)."""
+    """Write the unit vector `start` (2,), rotated by each angle in the vector `angle` [rad] (4,), to `turn` (2, 4)."""
     square, small = angle * angle, True
     store4(turn[0], 0, square)
     for s in range(STAGES):
@@ -285,7 +281,10 @@ def move_joints(model, work):
 
 @kernel
 def chord_angle(cable, x, y, turn):
-    """Add the body-frame angle of a chord `cable.chord_sense` * (x, y) to the body's `turn` [rad] at all stages."""
+    """Add the angle of a cable loop's chord (line between its joints) in a body's frame to `turn` (4,) [rad], in place.
+
+    `x` and `y` (4,) are the chord's components at a step's stages. If `cable.chord_sense` is -1, the chord is reversed.
+    """
     small = True
     for s in range(STAGES):
         small = small and cable.chord_sense * x[s] > 0.0 and abs(y[s]) < _SMALL_SLOPE * abs(x[s])
@@ -301,7 +300,10 @@ def chord_angle(cable, x, y, turn):
 
 @kernel
 def move_cables(model, work):
-    """Write each cable loop's motion (wheel angles' mismatch, wheel rate, chord) at the stages to `work.cables`."""
+    """Write the motion of each cable loop at a step's stages to `work.cables`.
+
+    It is the mismatch of the wheels' angles, the inner wheel's rate, and the chord, the line between the joints.
+    """
     for c in range(model.cables.size):
         cable, motion = model.cables[c], work.cables[c].motion
         inner, outer = work.joints[cable.joint_a].motion, work.joints[cable.joint_b].motion
@@ -336,7 +338,7 @@ def move_cables(model, work):
 
 @kernel(inlined=False)
 def look_at(model, q, v, work):
-    """Write the motion of bodies, joints and cable loops at coordinates `q`, velocities `v` to all stages in `work`."""
+    """Write the motion at coordinates `q` and velocities `v` to `work`, with equal numbers for all stages of a step."""
     for b in range(model.bodies.size):
         body, scratch, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
@@ -355,7 +357,7 @@ def look_at(model, q, v, work):
 
 @kernel
 def start_from_end(model, state, q, work):
-    """Copy the motion at the step's end from `work` to `state`; body angles there are read from the coordinates `q`."""
+    """Copy the motion at a step's end, whose coordinates are `q`, from `work` to `state`."""
     for b in range(model.bodies.size):
         angle = q[model.bodies[b].offset + 2]
         state.turns[b, 0], state.turns[b, 1] = math.cos(angle), math.sin(angle)

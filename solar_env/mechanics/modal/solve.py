@@ -90,7 +90,7 @@ class ModalSettings(NamedTuple):
 
 @kernel
 def foresee(state, work, h):
-    """Write weights that extrapolate loads from the last step's stages to a step `h` [s] to `work.step[0].foreseen`."""
+    """Compute weights `work.step[0].foreseen` that extrapolate loads from the last step's stages to a step `h` [s]."""
     last = state.clock[0].last_step
     for s in range(LANES):
         later = NODES[min(s, LAST)] * h / last if last > 0.0 else 0.0
@@ -106,7 +106,7 @@ def foresee(state, work, h):
 
 @kernel
 def continue_course(foreseen, course, stage):
-    """Write a load at this step's stages to `stage`: sums of last step's values, `course`, weighted by `foreseen`."""
+    """Extrapolate a load from the last step's stages, `course`, to `stage` (4,) by the weights `foreseen` (3, 4)."""
     total = course[0] * load4(foreseen[0], 0)
     for k in range(1, STAGES):
         total = total + course[k] * load4(foreseen[k], 0)
@@ -115,7 +115,7 @@ def continue_course(foreseen, course, stage):
 
 @kernel
 def start_stages(model, state, work, h):
-    """Write first guesses for the stages to `work`: directions turned at their present rates and loads extrapolated."""
+    """Write first guesses for a step to `work`: extrapolated loads, and bodies and contacts turned at present rates."""
     foreseen, times = work.step[0].foreseen, h * load4(NODES_IN_LANES, 0)
     for b in range(model.bodies.size):
         turn, c, s = work.bodies[b].turn, state.turns[b, 0], state.turns[b, 1]
@@ -159,8 +159,7 @@ def move_stages(model, state, work, tables, level, h, shaped, coupled):
     """Compute in `work` the motion of bodies, attachments and joints at the stages under the present loads.
 
     If `shaped`, update foreshortening, the shortening of panels by bending. If `coupled`, also update the forces that
-    foreshortening exerts on the modes; they follow from the modes' amplitudes under the previous iteration's forces.
-    `tables` hold, at index `level`, the panel modes' responses to the step `h` [s].
+    foreshortening exerts on the modes. `tables` hold, at index `level`, the panel modes' responses to the step `h` [s].
     """
     distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
@@ -200,8 +199,7 @@ def velocity_tolerance(model, state, settings):
 def set_tolerances(model, state, work, settings, h, n):
     """Write the tolerance [N] of every force among the `n` unknowns to `work.loads[k].tolerance`.
 
-    Newton's iteration stops at corrections that are small against it. The error test of the step `h` [s] compares it
-    with the difference, at the step's start, between the force and the polynomial through the forces at the stages.
+    Newton's iteration stops at corrections that are small against it. The error test of the step `h` [s] uses it, too.
     """
     limit = work.step[0].velocity_tolerance
     for r in range(n):
@@ -301,7 +299,10 @@ def furthest_off(model, work, n):
 
 @kernel
 def solve_step(model, state, work, settings, tables, level, h):
-    """Solve for `work.loads` at stages of a step `h` [s]; `level` is its index in `tables`; return False on failure."""
+    """Solve for the joint and cable loads at the stages of a step `h` [s] in `work.loads`; return False on failure.
+
+    `tables` hold, at index `level`, the panel modes' responses to this step.
+    """
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:

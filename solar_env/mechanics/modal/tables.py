@@ -4,11 +4,11 @@ A mode obeys y'' + 2 delta y' + omega^2 y = f. The stages are from E. Hairer and
 Differential Equations II, 2nd ed., Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7; the last stage is the
 step's end. A load's course over a step is the polynomial through its values at the stages. A mode with omega h < 2 in a
 step h responds exactly; so does, up to a greater limit, a mode with over 2 % of critical damping, in which errors fade.
-Other modes respond as the Radau method integrates them. The method's numerical damping keeps loads, which meet fast
-vibrations at arbitrary phases, from growing.
+Other modes respond as the Radau method integrates them. Steps meet fast vibrations at arbitrary phases, so that loads
+that follow them could grow from step to step; the method's numerical damping prevents this.
 
-A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. Bending and axial modes form
-four groups. The sum or the difference of the two ends' loads acts on a group. One end's values give the other end's.
+A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. One end's motion thus gives the
+other end's. Bending and axial modes form four groups; the sum or the difference of the ends' loads acts on a group.
 """
 
 import math
@@ -189,10 +189,10 @@ def make_tables(panels: Panels, levels: int) -> Tables:
 
 @kernel
 def exact_coefficients(frequency, damping_rate, h, answer):
-    """Write a mode's exact motion at the stages of a step `h` [s] to `answer.coefficient` (40,).
+    """Write a mode's exact motion at the stages of a step `h` [s], by Taylor series, to `answer.coefficient` (40,).
 
-    For unit start value, start rate, and load at each stage, the array has values at the stages, a gap, rates, a gap. A
-    Taylor series, whose terms fall as 1/n!, is summed for all five causes at once, one in each lane of a vector.
+    The array has eight places for each cause in turn: unit start value, unit start rate, and a unit load at the first,
+    second and third stage. Places 0 to 2 of the eight take the values at the stages, and 4 to 6 the rates.
     """
     square, damping = (frequency * h) ** 2, 2.0 * damping_rate * h
     first, second, largest = load8(_UNIT_VALUE, 0), load8(_UNIT_RATE, 0), 1.0
@@ -229,9 +229,10 @@ def exact_coefficients(frequency, damping_rate, h, answer):
 
 @kernel
 def closed_coefficients(frequency, damping_rate, h, coefficients):
-    """Write an underdamped mode's exact motion at the stages of a step `h` [s] to `coefficients` (40,).
+    """Write an underdamped mode's exact motion at the three stages of a step `h` [s] to `coefficients` (40,).
 
-    For unit start value, start rate, and load at each stage, the array has values at the stages, a gap, rates, a gap.
+    The array has eight places for each cause in turn: unit start value, unit start rate, and a unit load at the first,
+    second and third stage. Places 0 to 2 of the eight take the values at the stages, and 4 to 6 the rates.
     """
     square, inverse = frequency * frequency, 1.0 / h
     damped = math.sqrt(square - damping_rate * damping_rate)
@@ -261,9 +262,10 @@ def closed_coefficients(frequency, damping_rate, h, coefficients):
 
 @kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
-    """Write a mode's motion at the stages of a step `h` [s], by the Radau IIA method, to `coefficients` (40,).
+    """Write a mode's motion at the three stages of a step `h` [s], by the Radau IIA method, to `coefficients` (40,).
 
-    For unit start value, start rate, and load at each stage, the array has values at the stages, a gap, rates, a gap.
+    The array has eight places for each cause in turn: unit start value, unit start rate, and a unit load at the first,
+    second and third stage. Places 0 to 2 of the eight take the values at the stages, and 4 to 6 the rates.
     """
     square, damping = frequency * frequency, 2.0 * damping_rate
     (a11, a12, a13), (a21, a22, a23), (a31, a32, a33) = A
@@ -296,10 +298,11 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
 def fill_answer(frequency, damping_rate, exact, h, answer):
     """Compute a mode's motion in a step `h` [s] for five causes: unit start value, start rate, and load at each stage.
 
-    For each cause in turn, `answer.coefficient` takes four values, then four rates: at the three stages, and the last
-    stage's again, to fill a vector. `frequency` is omega [rad/s]. The numbers are exact if omega h is below 2; with a
-    damping ratio above 0.02, below `exact`. Otherwise, or if `damping_rate` [1/s] exceeds 1 / h, they are the Radau
-    method's, and `answer.defect` takes the errors of free motion at the step's end.
+    `answer.coefficient` (40,) takes eight numbers for each cause in turn: the values at the three stages, the third one
+    repeated, then the rates alike. The motion is exact if `frequency` [rad/s] times h is below 2. With a damping ratio
+    above 0.02, it is exact if the product is below the limit `exact`. Otherwise, or if `damping_rate` [1/s] is 1 / h or
+    more, the Radau method gives it. `answer.defect` (4,) then takes errors of an underdamped mode's free motion at the
+    step's end: of the rate by start value and by start rate, and of the value alike, multiplied by `frequency`.
     """
     coefficients, phase = answer.coefficient, frequency * h
     for c in range(2 * DEFECTS):
@@ -338,10 +341,12 @@ def side(end):
 
 @kernel
 def add_mode(shapes, frequency, answer, group, k, responses):
-    """Add mode `k` of a mode `group` to the motion of a panel's ends per unit load at an end, in `responses`.
+    """Add mode `k` to the motion of a panel's first end per unit load there, in the record `responses`.
 
-    Products of `answer`, the mode's motion per unit modal load, and end values `shapes[:, k]` go to `response[group]`.
-    Errors of the deflection that a constant load holds (load / `frequency`^2) go to `held`; `unresolved` counts them.
+    `responses.response[group, i, j]` (24,) is the motion of end value i due to load j on modes of kind `group` (bending
+    even or odd, axial even or odd). It gets the mode's motion per unit modal load, from `answer`, times its end values
+    `shapes[i, k]` and `shapes[j, k]`. If `answer.defect` has errors of its vibration, `responses.unresolved` counts it.
+    A constant load deflects it by load / `frequency`^2 without vibration: `responses.held` corrects the errors for it.
     """
     for i in range(values_of(group)):
         for j in range(values_of(group)):
@@ -357,7 +362,12 @@ def add_mode(shapes, frequency, answer, group, k, responses):
 
 @kernel
 def join_groups(responses):
-    """Write both panel ends' motion per unit load on the first end to `responses.ends`: even plus odd modes' motion."""
+    """Write the motion of both panel ends per unit load on the first end to `responses.ends` (2, 4, 24).
+
+    The axes are the moving end; the kind of response, such as slope by moment; and the motion's values and rates at the
+    stages, for a unit load at each stage in turn. The motions of even and odd modes are added at the first end, and by
+    symmetry subtracted at the second end.
+    """
     for product, group, i, j in (
         (ALONG_ALONG, AXIAL_EVEN, 0, 0),
         (ACROSS_ACROSS, BENDING_EVEN, 0, 0),
@@ -388,7 +398,10 @@ def keep_answer(tables, d, level, k, answer):
 
 @kernel(inlined=False)
 def fill_level(panels, tables, level, h):
-    """Compute panels' motion in a step `h` [s] per unit start amplitude, rate or load, at index `level` of `tables`."""
+    """Compute the motion of all panel designs in a step of the size `h` [s].
+
+    Write it to `tables` at this size's index, `level`, per unit start value, start rate, and load at each stage.
+    """
     answer = tables.answers[0]
     for d in range(panels.damping.size):
         responses = tables.responses[d, level]

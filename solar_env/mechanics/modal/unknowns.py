@@ -103,12 +103,12 @@ def list_loop(model, work, r, kind, c, number):
 
 @kernel
 def list_rows(model, state, work, tables, level, h):
-    """List the unknown loads of a step `h` [s] in `work.unknowns`, and return their number.
+    """List the unknown loads of a step `h` [s] in `work.unknowns`, a record for each, and return their number.
 
     Forces are unknowns: reactions, contact forces and pulls of cable loops. A torque is an unknown if an engaged stop,
     a damper or dry friction contributes, or if the rotation that it causes in the step changes the torque by over 5 %.
-    Every iteration evaluates the other torques from the motion. All torques' tolerances are written to
-    `work.loads[k].tolerance`. `tables` hold, at index `level`, the panel modes' responses to the step.
+    Every iteration evaluates the other torques from the motion. The tolerances [N m] of all torques are written to
+    their records in `work.loads`. `tables` hold, at index `level`, the panel modes' responses to the step.
     """
     n = 0
     for j in range(model.joints.size):
@@ -143,8 +143,9 @@ def list_rows(model, state, work, tables, level, h):
 def mark_blocks(work, n, h):
     """Divide the `n` unknown loads of a step of size `h` [s] into diagonal blocks of Newton's matrix.
 
-    In `work.unknowns`, a block extends from index `first` to before `end`. Each joint has its own block if `h` < 0.5 ms
-    and no unknown is a cable loop's load or an ideal joint's reaction; otherwise all unknowns share one block.
+    Every unknown's record in `work.unknowns` gets the index `first` of its block's first unknown, and the index `end`
+    after the last one. Each joint has its own block if `h` < 0.5 ms and no unknown is a cable loop's load or an ideal
+    joint's reaction; otherwise all unknowns share one block.
     """
     apart = h < _APART
     for r in range(n):
@@ -180,9 +181,10 @@ def enter_load(model, work, number, fx, fy, torque, load):
 def fill_unit_loads(model, work, n):
     """Write the loads that a unit of each of the `n` unknowns exerts on bodies, at the step's end, to `work.unknowns`.
 
-    Each row of `load` is for one body: force along and across it, torque, and moment about its centre of mass. The rows
-    of `reading` have the same order. They are weights of the bodies' displacements and rotations, or of their rates, in
-    the motion on which the unknown does work, and equal `load` except in cable loops that do not conserve energy.
+    In an unknown's record, `load` (4, 4) has a row for each point at which the unknown acts on a body. Its columns are
+    force along and across the body, torque at the point, and the moment of both about the body's centre of mass. The
+    array `reading` (4, 4) has weights, by which the bodies' displacements and rotations add up to the motion on which
+    the unknown does work. They equal `load` except in cable loops that do not conserve energy.
     """
     for r in range(n):
         unknown = work.unknowns[r]
@@ -210,9 +212,10 @@ def fill_unit_loads(model, work, n):
 
 @kernel
 def add_scaled(sums, gain, motion):
-    """Return the tuple `sums` of three vectors (8,) with `gain` times the three thirds of `motion` (24,) added.
+    """Return the tuple `sums` of three vectors (8,), plus `gain` times the successive thirds of `motion` (24,).
 
-    A third belongs to a load at one stage: values at the three stages, the last one twice, then rates alike.
+    The first vector and the first third belong to a unit load at the first of a step's three stages, and so on. Each is
+    the motion that this load causes: its values at the three stages, the third one repeated, then its rates alike.
     """
     first, second, third = sums
     first, second = first + gain * load8(motion, 0), second + gain * load8(motion, COLUMNS)
@@ -221,14 +224,16 @@ def add_scaled(sums, gain, motion):
 
 @kernel
 def add_shared(work, model, tables, level, number, reading, other, opposite, sums):
-    """Return `sums` plus one body's part in the motion on which a first unknown does work, per unit of a second one.
+    """Return `sums` plus the motion of one body that a second unknown load causes and on which a first one does work.
 
     Args:
         number: index in `model.attachments` of the point at which the first load acts on the body.
-        reading: (4,) the first load there, of unit size; the part is its work on the body's motion.
-        other: record of the second load, which moves the body, in `work.unknowns`.
-        opposite: index of the point on the same body among the attachments of `other`.
-        sums: three vectors (8,), for the second load at each stage: four values at the stages, then four rates.
+        reading: (4,) weights by which the body's displacements (along, across) and rotations (elastic at the point, of
+            the whole body) enter the motion on which the first load does work.
+        other: record of the second load in `work.unknowns`.
+        opposite: index, in `other.attachment`, of a point at which the second load acts on the same body.
+        sums: three vectors (8,), for a unit of the second load at the first, second and third stage. Each has the
+            motion's values at the three stages, the third one repeated, then the rates alike.
         tables, level: panel modes' responses, and the step size's index in them.
     """
     attachment, loaded = model.attachments[number], model.attachments[other.attachment[opposite]]
@@ -251,9 +256,10 @@ def add_shared(work, model, tables, level, number, reading, other, opposite, sum
 def share_motion(model, work, tables, level, p, q, mutual):
     """Write the motion on which unknown load `p` does work, caused by a unit of load `q`, to `work.mobility[p, q]`.
 
-    Both are indices into `work.unknowns`. There are eight numbers for load `q` at each of the three stages: the
-    motion's values at the stages, then its rates. If `mutual`, copy them to [q, p]. Only bodies on which both loads act
-    contribute. `tables` hold, at the step size's index `level`, the panel modes' responses.
+    Both are indices into `work.unknowns`. `work.mobility[p, q].response` (24,) gets eight numbers for a unit of load
+    `q` at the first stage, then for units at the second and third stage. They are the motion's values at the three
+    stages, the third one repeated, then its rates alike. If `mutual`, they are also copied to [q, p]. Only bodies on
+    which both loads act contribute. `tables` hold, at the step size's index `level`, the panel modes' responses.
     """
     one, other, nothing = work.unknowns[p], work.unknowns[q], splat8(0.0)
     sums = nothing, nothing, nothing
@@ -273,8 +279,10 @@ def share_motion(model, work, tables, level, p, q, mutual):
 def fill_mobility(model, work, tables, level, h, n):
     """Compute the mobility of the `n` unknown loads in a step `h` [s], and write it to `work.mobility`.
 
-    Entry [p, q] is the motion on which load p does work, such as a joint angle, per unit of load q at each stage. Only
-    pairs in one block of Newton's matrix count. `tables` hold, at index `level`, the panel modes' responses.
+    Entry [p, q] is the motion on which load p does work, such as a joint angle, due to a unit of load q. It has the
+    values and rates at all stages, for a unit at the first stage only, then for units at the second and third stage.
+    Entries for loads in different diagonal blocks of Newton's matrix are not needed, and are left as they are.
+    `tables` hold, at index `level`, the panel modes' responses.
     """
     fill_unit_loads(model, work, n)
     for k in range(STAGES):

@@ -25,7 +25,10 @@ def address_of(kernel: Any, *arguments: Any) -> int:
 
 
 def call_at(address: int, kernel: Any, *arguments: Any) -> Any:
-    """Call a kernel by an `address` from `address_of` for the same argument types; uncompiled, call `kernel` itself."""
+    """Call a kernel's compiled code at the `address` that `address_of` has returned for arguments of the same types.
+
+    A compiled caller takes only the result's type from `kernel`. A call from Python runs `kernel` without `address`.
+    """
     return kernel(*arguments)
 
 

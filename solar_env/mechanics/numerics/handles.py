@@ -38,8 +38,8 @@ class Handle:
 def _describe(entry: Any, words: list[int], form: list[Any]) -> None:
     """Append to `words` a number, an array's descriptor or a tuple's members, in Numba's memory layout of 8-byte words.
 
-    A descriptor is owner (zeros), size, item size, data address, shape and strides. To `form` go the types and lengths
-    of tuples, types, dimensions and flags of arrays, and types of numbers: together they fix the handle's Numba type.
+    A descriptor is owner (zeros), size, item size, data address, shape and strides. Append to `form` all that the Numba
+    type of a `Handle` depends on: types, lengths of tuples, numbers of dimensions and flags of arrays.
     """
     if isinstance(entry, tuple):
         form += (type(entry), len(entry))

@@ -40,7 +40,7 @@ def imported_files(path: Path) -> tuple[Path, ...]:
 
 
 def kernel_sources(path: Path) -> list[Path]:
-    """Return a file and all package files that it imports, directly or indirectly, on which its kernels depend."""
+    """Return a file and all package files that it imports, directly or indirectly: all sources of its kernels' code."""
     found, waiting = set(), [path]
     while waiting:
         source = waiting.pop()
@@ -149,8 +149,8 @@ class Kernel(CPUDispatcher):
 def kernel(function: Callable[..., Any] | None = None, *, inlined: bool = True) -> Any:
     """Compile a function in nopython mode, without the interpreter lock, cached under the hash of its sources.
 
-    The kernel may not allocate memory. In exchange it counts no references, which would cost two atomic operations for
-    every field taken out of a tuple of arrays: more than half of the run time of small mechanisms.
+    The kernel may not allocate memory. In exchange it counts no references, which would take more than half of the
+    run time of small mechanisms.
 
     Args:
         function: function to compile; left out if the decorator has options.

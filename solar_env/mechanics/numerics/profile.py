@@ -70,7 +70,7 @@ def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
 
 @kernel(inlined=False)
 def clear(elimination, matrix):
-    """Set a `ProfileMatrix` to zero, but its diagonal to one at `elimination.empty`, padding places without unknown."""
+    """Set a `ProfileMatrix` to zero, and its diagonal to one at `elimination.empty`, the positions without unknowns."""
     for array in (matrix.lower, matrix.upper, matrix.diagonal):
         for i in range(array.shape[0]):
             for k in range(_ENTRIES):

@@ -38,7 +38,7 @@ VECTORS = {width: Vector(width) for width in (4, 8)}
 
 
 def _widened(builder: Any, kind: Any, value: Any, width: int) -> Any:
-    """Return a vector unchanged, or a number as a vector with the number in every lane."""
+    """Return `value`, whose Numba type is `kind`, if it is a vector; return a number as a vector of `width` copies."""
     if isinstance(kind, Vector):
         return value
     if isinstance(kind, types.Integer):
@@ -97,7 +97,7 @@ load8, store8, splat8 = _width(8)
 
 
 def lane(vector: Any, number: int) -> Any:
-    """Return the number in lane `number` of a vector."""
+    """Return the element of a vector of four or eight doubles at index `number`."""
     return vector[number]
 
 

@@ -36,12 +36,11 @@ _SMALLEST_ENERGY_SCALE = 1e-9  # J, least energy scale, for a mechanism that sta
 class Simulation:
     """Simulation of a mechanism, advanced from one time to the next.
 
-    `state` is a named tuple of arrays; `snapshot` and `restore` copy it, even in the middle of a contact. A restored
-    simulation gives the same results, bit for bit.
+    `snapshot` and `restore` copy the state, even in the middle of a contact; a restored run repeats bit for bit.
 
     Attributes:
-        integrator: settings of the integration method; may be replaced by other settings for the same formulation.
-        model, state: named tuples of arrays, of the formulation's classes.
+        integrator: settings of the integration method, replaceable by others with the same coordinates (`formulation`).
+        model, state: named tuples of constant and of changing arrays; `formulation` determines their classes.
     """
 
     def __init__(self, mechanism: Mechanism, integrator: Integrator | None = None) -> None:
@@ -200,7 +199,7 @@ class Simulation:
 
     @cached_property
     def _lane(self) -> tuple[Handle, Handle, dict[str, Handle]]:
-        """Handles (addresses) of model and state as a batch of one, and of work arrays by the integrator's name."""
+        """Handles of model and state as a batch of one, and a dictionary of work arrays' handles by integrator name."""
         return Handle(with_lane_axis(self.model)), Handle(with_lane_axis(self.state)), {}
 
     def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:
@@ -259,10 +258,11 @@ class Simulation:
         )
 
     def constraint_force_defect(self) -> tuple[float, float]:
-        """Return the greatest error of the integrator's constraint forces, and the greatest force [N].
+        """Return the greatest error of the integrator's constraint forces at present, and the greatest force [N].
 
-        The returned force is at least the energy that the run has stored or lost so far (`energy_book`), divided by the
-        longest body's length. Without this bound, rounding errors would be compared with each other if forces vanish.
+        An error is the difference from the force that satisfies the constraints in the present state. The returned
+        force is at least the energy that the run has stored or lost so far (`energy_book`), divided by the longest
+        body's length. Without this bound, rounding errors would be compared with each other if forces vanish.
         """
         defect, largest = self.formulation.constraint_force_defect(self.model, self.state)
         return defect, max(largest, float(self.energy_book()[1] / self.model.length_scale))

@@ -42,9 +42,8 @@ class Trajectory:
         penetration: (nt, nj) |eccentricity| - clearance; negative is a gap.
         normal_force, tangential_force: (nt, nj) contact force on the journal; for an ideal joint, the reaction's
             magnitude and zero. Samples inside linearly implicit steps are interpolated: after a change of motor
-            torque, they may show up to 10 N where a journal leans on its bearing with 0.2 N (in measured deployments,
-            0.02 % of the time). Samples inside steps of modal-radau follow the step's polynomial. Peak forces and
-            integrals are free of these errors.
+            torque, they may show up to 10 N where a journal leans on its bearing with 0.2 N. Samples inside steps of
+            modal-radau follow the step's polynomial. Peak forces and integrals are free of these errors.
         joint_force: (nt, nj, 2) force on the outboard body, in inertial axes.
         spring_torque, cable_torque, latch_torque, motor_torque, harness_torque, damping_torque, hinge_friction_torque:
             (nt, nj) torques on the joint angle; `latch_torque` comes from latch, stow stop, end stop or hold-down.
@@ -59,8 +58,7 @@ class Trajectory:
             (index), start_s, end_s, impact_speed, peak_force, impulse, sliding_work.
         latch_times: (nj,) times of latching; nan if not latched.
         latch_rates: (nj,) rates of the joint angles at the latching [rad/s]; nan if not latched.
-        peak_latch_torque: (nj,) greatest torque of the latch, or of the stop at the lock angle [N m], at the ends of
-            all accepted steps.
+        peak_latch_torque: (nj,) greatest torque [N m] of the latch, or of the stop at the lock angle, at steps' ends.
         peak_force, postlock_peak_force: (nj,) greatest force in all accepted steps; post-lock counts from the first
             latching. With flexible panels and ideal joints the peak force does not converge as panels are refined:
             springs that act suddenly send a wave into them, whose reaction in the first 0.1 ms grows with refinement.
@@ -236,9 +234,10 @@ def _check(values: dict[str, Any]) -> None:
 
 
 def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return two dictionaries: energies [J] (...) put in and lost since t = 0, by name (see `Trajectory.energies`).
+    """Return the energies [J] put into a mechanism since t = 0, and the energies lost, as two dictionaries by name.
 
-    `integrals` (..., count) are the running time integrals of works, losses and forces, at one time or at all samples.
+    `integrals` (..., count) are the state's time integrals of powers and normal forces, at one time or at all samples.
+    Every energy has the shape (...). `Trajectory.energies` has the same names.
     """
     totals = m.joint_integrals(integrals).sum(axis=-2)
     by_torques: list[dict[str, Any]] = [

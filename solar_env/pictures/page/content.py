@@ -42,7 +42,7 @@ class Line:
 
     Attributes:
         name: name in the legend.
-        x, y: (n,) coordinates; in charts round a bearing x is an angle [deg].
+        x, y: (n,) coordinates; in a polar chart, x is the angle [deg] and y the radius.
         colour: "#rrggbb".
         dash: "solid", "dash" or "dot".
     """
@@ -66,8 +66,8 @@ class Chart:
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
         polar: whether y is the radius, and x the angle [deg]; the axis name `y` is then the unit alone.
         limits: limits of y; by default the lines set them.
-        bars: names of horizontal bars from the top; empty if the chart has no bars. Bars are thick pieces of a line at
-            y near 0, 1, ..., parted by nan.
+        bars: names of horizontal bars from the top; empty if the chart has no bars. Name k stands at y = k. A line
+            draws its bar there between two points with this y, or slightly more; a point with x = nan ends the bar.
     """
 
     title: str

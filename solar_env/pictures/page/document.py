@@ -1,4 +1,4 @@
-"""Writer of a page as one HTML file that needs no network; compressing program and numbers halves its size."""
+"""Writer of a page as one HTML file that needs no network; compressing its scripts and data halves the file's size."""
 
 import base64
 import gzip

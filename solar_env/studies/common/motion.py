@@ -1,4 +1,4 @@
-"""Deployments and levels of model fidelity for studies, results of runs (also of other programs), and their errors."""
+"""Deployments to simulate in studies, levels of model fidelity, results of runs, and errors against reference runs."""
 
 import math
 import warnings
@@ -70,8 +70,7 @@ class Motion:
 def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
     """Return an ensemble member's parameters: initial joint rates sampled uniformly within RELEASE_RATE of the nominal.
 
-    Member 0 has the nominal parameters. Moving a hinge slightly instead would not do: the lasting contact during the
-    deployment erases such differences, and all members would be alike at the latching.
+    Member 0 has the nominal parameters. A slightly moved hinge would not do: lasting contact erases the difference.
     """
     rates = RELEASE_RATE * _deviations(member, len(parameters.joints))
     nominal = parameters.for_each_joint("initial_rate")
@@ -107,7 +106,7 @@ class Level:
 
     @property
     def panels(self) -> ModelLevel:
-        """Kind of panels and joints that the attribute `model` names, as a `ModelLevel`, which has no tolerance."""
+        """Kind of panels and joints that the attribute `model` names."""
         return ModelLevel.of(self.model)
 
     @property

@@ -45,10 +45,10 @@ class Measured:
 
 
 def measure(jobs: Mapping[Key, Job], announce: Callable[[str], None] = lambda name: None) -> dict[Key, Measured]:
-    """Run every job once, then repeat each up to its number of repeats; return motions and times by the jobs' keys.
+    """Run every job once, then in further rounds until it has `repeats` runs; return a `Measured` for each job's key.
 
-    `announce` is called with each job's name before its first run. Linear algebra gets one thread: with small matrices
-    a second thread gains nothing, and waits for a busy processor.
+    It holds the first run's motion and all wall times, or the reason for a failure. A job whose first run exceeds
+    `long_run` is not repeated. `announce` gets each job's name before its first run. Linear algebra has one thread.
     """
     results = {key: Measured() for key in jobs}
     with threadpool_limits(1):

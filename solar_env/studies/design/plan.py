@@ -169,7 +169,7 @@ class DesignPlan:
         )
 
     def today(self) -> dict[str, float]:
-        """Return present values of the parameters that may change, by name: 1 if a parameter is changed by a factor."""
+        """Return present values by name of the parameters that may change; for one scaled by a factor, return 1."""
         return {
             change.name: 1.0 if change.factor else float(self.array.parameters.entries(change.name)[0])
             for change in self.changes

@@ -16,7 +16,10 @@ from solar_env.support.files import save_figure
 
 
 def draw_design(design: Design, path: Path) -> None:
-    """Plot a study's result to a file: every design's minimised quantity, crosses at failures, a frame at the best."""
+    """Plot the minimised quantity of all designs of a study, whose result is `design`, to a file.
+
+    Crosses mark designs that fail, and a rectangle frames the best one.
+    """
     plan, quantity = design.plan, QUANTITIES[design.plan.least]
     what = f"{quantity.name} [{quantity.unit}]"
     two = len(plan.changes) == 2
@@ -66,7 +69,7 @@ def _draw_map(axis: Axes, design: Design) -> None:
 
 
 def _draw_over(axis: Axes, design: Design, name: str) -> None:
-    """Plot the minimised quantity of a study's designs against parameter `name`, at the lower edge if it is unknown."""
+    """Plot designs' minimised quantity against parameter `name`; crosses at the lower edge mark unknown quantities."""
     (change,) = (change for change in design.plan.changes if change.name == name)
     least = design.plan.least
     look: dict[str, Any] = {"linestyle": "", "markersize": 4.0}

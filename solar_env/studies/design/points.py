@@ -51,10 +51,11 @@ class Bench:
         self.finest = self._loads.levels[1]
 
     def level(self) -> tuple[Level, str]:
-        """Choose the cheapest model level whose quantities, for the present array, are near the finest level's.
+        """Choose the cheapest level of model fidelity whose results for the present array are near the finest level's.
 
-        Return the level and the reason in words. "Near" means within TOLERANCE. If the present array fails at the
-        finest level, the level is "flexible-clearance", the default of the command `loads`.
+        The results are the quantities that the study minimises or limits; near means a relative error up to TOLERANCE.
+        Return the level, and the reason in words. If a run of the present array at the finest level fails or does not
+        latch, the level is the default one of `LoadsPlan`.
         """
         levels = [*map(Level, WITH_FITTINGS if self.plan.array.parameters.panel_masses else CANDIDATES)]
         results = self.measured([(self.plan.today(), level, 0) for level in (*levels, self.finest)], "levels")

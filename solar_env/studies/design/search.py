@@ -40,7 +40,10 @@ class Design:
 
 
 def find_design(bench: Bench, seed: int, progress: bool) -> Design:
-    """Return a `Design`: all designs tried on `bench`; the best is confirmed by new runs at the finest model level."""
+    """Search for the best design with simulations by `bench`; return a `Design` with the best and all designs tried.
+
+    The best design is simulated again, with other ensemble members and at the finest model level.
+    """
     plan = bench.plan
     level, reason = bench.level()
     (today,) = bench.measured([(plan.today(), level, 0)])
@@ -64,10 +67,7 @@ def _grid(plan: DesignPlan) -> list[dict[str, float]]:
 
 
 def _searched(bench: Bench, level: Level, today: Point, seed: int, progress: bool) -> list[Point]:
-    """Search by CMA-ES with runs at the model level `level`, and return all designs tried.
-
-    A design that fails costs more than every acceptable one. Costs are divided by the present design's, `today`.
-    """
+    """Search by CMA-ES at the model level `level`, starting at the present design `today`; return all designs tried."""
     plan, tried = bench.plan, []
     scale = today.figures[plan.least] if np.isfinite(today.figures[plan.least]) else 1.0
 

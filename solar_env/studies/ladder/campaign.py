@@ -51,7 +51,10 @@ CONTROLLERS = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """One ensemble member's results by name, each a (quantities, components) array; also wall time and evaluations."""
+    """Results of one ensemble member by name, with the wall time and number of right-hand side evaluations.
+
+    A result is an array (k, d): "wear" has k joints and d = 1, the tip's path k sampled points and d = 2 coordinates.
+    """
 
     answers: dict[str, Array]  # question -> (k, d): k quantities, each a vector of d components
     wall: float  # time taken [s]
@@ -61,9 +64,7 @@ class Outcome:
 def deploy(level: Level, member: int, duration: float) -> Outcome:
     """Simulate an ensemble member's deployment at a model level, driven by springs alone, for `duration` [s].
 
-    Returns:
-        An `Outcome`: an array for each key of QUESTIONS, such as "peak-force", except "controller-ranking"; wall time
-        [s]; and number of evaluations of the right-hand side.
+    Return an `Outcome` with a result for each key of QUESTIONS, such as "peak-force", except "controller-ranking".
 
     Raises:
         ValueError: if a joint has not latched.
@@ -90,8 +91,8 @@ def control(level: Level, member: int, window: float) -> Outcome:
     """Simulate an ensemble member under every controller, each time until `window` [s] after the last latching.
 
     Returns:
-        An `Outcome` whose `answers` hold, under the key RANKING, an array (controllers, 2): peak force [N] and sliding
-        work [J] after the first latching, summed over the joints as in the environment's reward.
+        An `Outcome` whose `answers` hold, under the key RANKING, an array (controllers, 2): the sum of the joints' peak
+        forces [N], and the sum of the joints' sliding work [J], both from the first latching on.
 
     Raises:
         ValueError: if a controller misses the environment's deadline, so that no ranking exists.
@@ -125,7 +126,7 @@ def _drive(simulation: Simulation, torque: float, start: float, window: float) -
 
 @dataclass(frozen=True)
 class LadderPlan:
-    """Extent of the measurement of model levels' errors and costs: levels, ensemble sizes, and simulated times."""
+    """Plan of ensembles of slightly perturbed deployments to measure errors and costs of levels of model fidelity."""
 
     panels: tuple[str, ...] = (
         *(f"{elements} elements" for elements in (1, 2, 4, 6, 12)),
@@ -234,12 +235,9 @@ def _warm_up(plan: LadderPlan) -> None:
 def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, float]:
     """Return the greatest distance between two ensembles' means, and the half-width of a simultaneous 95 % band.
 
-    Args:
-        level, reference: (n, k, d) answers of the same n members: k quantities, each a vector of d components.
-        scale: (k,) scales by which the distances are divided.
-
-    Returns:
-        The distance, and the half-width: with 95 % probability no quantity's true distance exceeds their sum.
+    With 95 % probability no quantity's true distance exceeds the sum of both. `level` and `reference` are (n, k, d)
+    results of the same n ensemble members: k quantities, each a vector of d components. Each distance is divided by
+    the quantity's scale in `scale` (k,).
     """
     differences = level - reference
     mean = differences.mean(axis=0)
@@ -249,10 +247,7 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
 
 
 def _widening(count: int) -> float:
-    """Return the factor that widens a bootstrap 95 % band for the mean of n = `count` values; 1 if n = 1.
-
-    It is (Student's t quantile / normal quantile) * sqrt(n / (n - 1)), with quantiles at 97.5 %.
-    """
+    """Return the factor that corrects a bootstrap 95 % band of the mean for a small number `count` of values."""
     if count == 1:
         return 1.0
     share = 0.5 * (1.0 + _COVERAGE)

@@ -40,7 +40,10 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
 
 
 def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
-    """Return a title: per result in `asked`, such as "wear", the fastest panel model with an error up to _TOLERANCE."""
+    """Return a title that names the fastest accurate panel model for each result in `asked`, such as "wear".
+
+    Accurate models have errors up to _TOLERANCE with 95 % confidence; `answers` hold the errors against a finer model.
+    """
     chosen: dict[str, list[str]] = {}
     for question in asked:
         within = [answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE]

@@ -28,6 +28,7 @@ from solar_env.support.campaigns import Campaign, Cell
 Array = NDArray[np.float64]
 
 STORE = "loads.jsonl"
+COARSE, COARSE_OF_ELEMENTS = "flexible-clearance", "flexible-clearance:6 elements"  # model levels by default
 FINEST_OF_ELEMENTS = Level("flexible-clearance:12 elements", 10.0)
 # Contact laws of different geometry -> the bodies in contact.
 GEOMETRIES = {
@@ -46,16 +47,15 @@ class LoadsPlan:
     """
 
     array: ParameterFile  # parameters, and ranges of sampled ones
-    model: str = "flexible-clearance"  # model level; the same members also run at the finest level
+    model: str | None = None  # model level; None for flexible panels, of elements if panels carry point masses
     members: int = 16  # number of members at each level
     window: float = 10.0  # time simulated after the last latching [s]
     deadline: float = 60.0  # time by which all joints must have latched [s]
 
     def __post_init__(self) -> None:
-        if not ModelLevel.of(self.model).clearance:
-            raise ValueError(
-                f"model = {self.model!r} has ideal joints, which know no impacts; choose one with clearance"
-            )
+        model = self.levels[0].model
+        if not ModelLevel.of(model).clearance:
+            raise ValueError(f"model = {model!r} has ideal joints, which know no impacts; choose one with clearance")
         if self.members < 1:
             raise ValueError(f"runs = {self.members!r} must be at least 1")
         for name in ("window", "deadline"):
@@ -83,7 +83,7 @@ class LoadsPlan:
     def asked(self) -> tuple[tuple[Level, ParameterFile], ...]:
         """Pairs (model level, parameters) that are simulated for every ensemble member, in this order.
 
-        The array itself runs at the chosen and the finest level; other contact laws then run at the chosen level.
+        The array itself takes the chosen and the finest level; variants with other contact laws take the chosen one.
         """
         level, finest = self.levels
         return (level, self.array), (finest, self.array), *((level, form) for form in self.forms.values())
@@ -102,8 +102,10 @@ class LoadsPlan:
 
     @property
     def levels(self) -> tuple[Level, Level]:
-        """The chosen and the finest model level; the finest has elements, not modes, if panels carry point masses."""
-        return Level(self.model), FINEST_OF_ELEMENTS if self.array.parameters.panel_masses else FINEST
+        """The chosen and the finest model level; panels that carry point masses need elements instead of modes."""
+        fitted = self.array.parameters.panel_masses
+        chosen, finest = (COARSE_OF_ELEMENTS, FINEST_OF_ELEMENTS) if fitted else (COARSE, FINEST)
+        return Level(self.model or chosen), finest
 
 
 def run_member(cell: Cell) -> dict[str, object]:
@@ -146,8 +148,6 @@ class Loads:
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
     """Simulate the ensemble on `workers` processes, and return its results; runs stored in `folder` are not repeated.
 
-    If no parameter is sampled from a range, `Loads.sensitivity` is empty; `measure_sensitivity` supplies it.
-
     Raises:
         ValueError: if the folder holds another ensemble, or no run latches all joints.
     """
@@ -168,7 +168,7 @@ def measure_sensitivity(loads: Loads, folder: Path, workers: int, console: Conso
     plan = loads.plan
     if plan.array.randomize:
         return loads
-    shifted = shifts(plan.array.parameters, plan.model)
+    shifted = shifts(plan.array.parameters, plan.levels[0].model)
     cells = [plan.cell(plan.levels[0], array, {}, 0) for array in shifted.values()]
     campaign = Campaign(run_member, cells, folder / STORE)
     results = campaign.run_shown(workers, console, "deployments with one parameter shifted")

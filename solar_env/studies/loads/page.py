@@ -24,7 +24,10 @@ _BARS = 8  # greatest number of parameters in a chart of sensitivities
 
 
 def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str], before: Sequence[str] = ()) -> Page:
-    """Return an ensemble's `Page`. Sentences `before` follow the first sentence of its text; `notes` close the page."""
+    """Return a web page (`Page`) on an ensemble, with an animation and plots of the nominal array's run, `nominal`.
+
+    The sentences `before`, known before any run, are inserted after the text's first sentence. `notes` close the page.
+    """
     name = f"Nominal array, {loads.plan.levels[0].name}"
     charts = [
         *charts_of({name: nominal.trajectory}),
@@ -96,7 +99,7 @@ def _modes(loads: Loads) -> Iterator[Chart]:
 
 
 def _spectra(loads: Loads) -> Iterator[Chart]:
-    """Yield charts of shock spectra: mean and maximum of runs at the chosen model level, and mean at the finest one."""
+    """Yield charts of shock spectra: mean and maximum of runs at the plan's model fidelity, and mean at the finest."""
     if not loads.hub_spectrum.size:
         return
     greatest = loads.hinge_spectrum[0].mean(axis=0).max(axis=0)

@@ -25,8 +25,7 @@ _TOLD = 3  # greatest number of parameters stated for a quantity
 def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
     """Return sentences on latch torque, hub motion, pin force, momentum, wear, hub loads, and the runs.
 
-    The sentences `before`, known without any run (see `statics`), follow the first. Each load comes with the 95 %
-    interval of its mean; the quantities of `_STATED` also with their high quantile and discretisation error.
+    The sentences `before`, known before any run, follow the first. Each load has the 95 % interval of its mean.
     """
     stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in _worst_of(loads, _STATED).items()}
     worst = _worst_of(loads, JOINT_QUANTITIES)
@@ -80,7 +79,7 @@ def full_name(loads: Loads, quantity: str, joint: int) -> str:
 
 
 def _forms(loads: Loads) -> str:
-    """State the peak pin force under each contact law besides the array's own, and the range over all contact laws."""
+    """Return a clause with the peak pin force under each alternative contact law, and the range over all laws."""
     if not loads.forms:
         return "model form unknown, for no other contact law takes this array"
     told, means = [], [loads.figures["peak_force"][worst_joint(loads.figures["peak_force"])].mean]
@@ -129,7 +128,7 @@ def effect_text(effects: Effects, parameter: str) -> str:
 def sureness(effects: Effects) -> str:
     """Return a phrase on how sure effects are: after a regression, the percentage of variance that it explains.
 
-    After shifts of one parameter at a time: the change [%] that scatter between equal arrays may cause.
+    After shifts of one parameter at a time: the change [%] of the quantity that slight perturbations alone may cause.
     """
     if math.isfinite(effects.explained):
         return f"{100.0 * max(effects.explained, 0.0):.0f} % of the variance explained"
@@ -151,7 +150,10 @@ def _with_interval(figure: Figure, quantity: Quantity) -> str:
 
 
 def _quantiles(figure: Figure, quantity: Quantity) -> tuple[str, str]:
-    """Return texts of the 99 % quantile and its upper bound, rounded by the difference of both; "-" if unknown."""
+    """Return the 99 % quantile of `quantity` and the quantile's upper bound as texts; "-" if unknown.
+
+    `figure` has the quantity's statistics. The difference of both numbers decides how many digits are shown.
+    """
     quantile, bound = quantity.scale * figure.quantile, quantity.scale * figure.quantile_bound
     return rounded(quantile, bound - quantile), rounded(bound, bound - quantile)
 
@@ -216,7 +218,7 @@ def tables(loads: Loads) -> list[Table]:
 
 
 def _changes(loads: Loads) -> Iterator[Table]:
-    """Yield at most one table: parameters that change a quantity most, at the joint where its mean is greatest."""
+    """Yield a table, if effects are known: parameters that change each quantity most, where its mean is greatest."""
     ranks = ("most", "then", "then")
     rows = []
     for name, by_joint in loads.sensitivity.effects.items():

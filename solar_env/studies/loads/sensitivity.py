@@ -46,7 +46,7 @@ class Effects:
             parameter's standardised coefficient. After shifts of one parameter at a time: the quantity's relative
             change when the parameter is lowered (`low`) or raised (`high`) by the fraction SHARE; nan if that run was
             refused, failed or did not latch.
-        noise: relative change that scatter between equal arrays may cause (95 %); 0 for a regression.
+        noise: relative change that slight perturbations of release and tolerance may cause (95 %); 0 for a regression.
         explained: fraction of variance that a regression explains, adjusted for the number of parameters; else nan.
     """
 
@@ -80,10 +80,10 @@ class Sensitivity:
 
 
 def shifts(parameters: ArrayParameters, model: str) -> dict[Shift | None, ArrayParameters]:
-    """Return the nominal array (key None), and arrays with one continuous parameter times 1 - SHARE or 1 + SHARE.
+    """Return the nominal parameters (key None), and sets with one continuous parameter times 1 - SHARE or 1 + SHARE.
 
-    The key of a shifted array is (parameter, factor). Shifts that are refused, or change nothing in the model, are left
-    out; so are the smoothing constants of force laws (OF_THE_LAWS), and parameters that are 0.
+    The key of such a set is (parameter, factor). Parameters that are 0, and smoothing constants of force laws
+    (OF_THE_LAWS), keep their values. Shifts that are invalid, or change nothing at the level `model`, are left out.
     """
     nominal = build(parameters, model)
     found: dict[Shift | None, ArrayParameters] = {None: parameters}
@@ -106,7 +106,7 @@ def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array
 
     Args:
         runs: Shift (parameter, factor) -> result of the array with this parameter shifted; None -> the nominal array's.
-        alike: Quantity -> (members, joints) values in an ensemble of the nominal array, whose scatter is the noise.
+        alike: Quantity -> (members, joints) values of slightly perturbed nominal arrays, whose scatter is the noise.
     """
     nominal = runs[None]
     if "failed" in nominal:
@@ -143,10 +143,8 @@ def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array
 def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mapping[str, Array]) -> Sensitivity:
     """Return a `Sensitivity`: 95 % intervals of standardised coefficients when quantities are regressed on parameters.
 
-    Args:
-        ranges: Ranges of the sampled parameters.
-        members: Parameters of each ensemble member.
-        values: (members, joints) values of each quantity; nan where unknown.
+    `ranges` are the ranges of the sampled parameters, `members` the parameters of each ensemble member, and `values`
+    the (members, joints) values of each quantity, nan where unknown.
     """
     columns: dict[str, Array] = {}
     for name, (low, _) in ranges.items():
@@ -162,7 +160,10 @@ def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mappi
 
 
 def _regressed(columns: Mapping[str, Array], y: Array) -> Effects:
-    """Regress `y` on `columns` (name -> values); return `Effects`: 95 % limits by name of standardised coefficients."""
+    """Regress a quantity's (n,) values `y` on parameters, and return `Effects` with the coefficients' 95 % intervals.
+
+    `columns` maps each parameter's name to its (n,) values. Coefficients are standardised; nan in `y` is left out.
+    """
     known = np.isfinite(y)
     count, freedom = int(known.sum()), int(known.sum()) - len(columns) - 1
     unknown = dict.fromkeys(columns, np.nan)

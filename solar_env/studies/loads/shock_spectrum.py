@@ -34,7 +34,7 @@ def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALIT
 class ShockSpectrum:
     """Greatest responses of oscillators to planar vector histories, one per channel, which `add` takes piece by piece.
 
-    The oscillators' natural frequencies (f,) [Hz] must lie below half the sample rate [1/s].
+    The oscillators start at rest. Their natural frequencies (f,) [Hz] must lie below half the sample rate [1/s].
     """
 
     def __init__(self, frequencies: Array, rate: float, channels: int, quality: float = QUALITY) -> None:
@@ -44,7 +44,7 @@ class ShockSpectrum:
         self.peaks = np.zeros((len(frequencies), channels))
 
     def add(self, history: Array) -> None:
-        """Process n >= 1 more samples (n, channels, 2) of x and y; update `peaks`. The oscillators start at rest."""
+        """Process n >= 1 more samples (n, channels, 2), x and y of forces or accelerations, and update `peaks`."""
         for k in range(len(self._filters)):
             self._add(k, history)
 

@@ -20,9 +20,10 @@ QUANTILE, CONFIDENCE = 0.99, 0.95
 
 @dataclass(frozen=True)
 class Figure:
-    """Statistics of a quantity over an ensemble of runs.
+    """Statistics of a quantity over an ensemble of runs: mean, 99 % quantile, and error of the model level.
 
-    Intervals, quantile and bound are nan with fewer than four values; the last two also if a value is not positive.
+    Mean and error have 95 % intervals, the quantile an upper bound. With fewer than four values the intervals, the
+    quantile and its bound are nan. Quantile and bound are also nan if a value is not positive.
     """
 
     mean: float
@@ -57,10 +58,7 @@ def _band(values: Array) -> tuple[float, float, float]:
 
 
 def high_quantile(values: Array) -> tuple[float, float]:
-    """Return the 99 % quantile of (n,) lognormal values, and the quantile's upper bound with 95 % confidence.
-
-    Both are nan if there are fewer than FEWEST values, or one is not positive.
-    """
+    """Return the 99 % quantile of (n,) lognormal values and its 95 % upper bound; nan if n < FEWEST or a value <= 0."""
     count = len(values)
     if count < FEWEST or values.min() <= 0.0:
         return math.nan, math.nan

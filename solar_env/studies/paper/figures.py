@@ -1,4 +1,4 @@
-"""The paper's figures that show results, by number in `FIGURES`; each has a table, a picture and a conclusion."""
+"""Reproduced figures of results in Y. Li et al., Mech. Syst. Signal Process. 117 (2019) 188, by number in `FIGURES`."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -38,7 +38,10 @@ class FourBar(PaperFigure):
     """Figure of the four-bar linkage: crank moment and rocker speed in the last turn, and wear by number of turns."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return rows (quantity, turns, place, value), curves' points; 0 turns mark ideal joints. Ignore `members`."""
+        """Return a row (quantity, turns, place, value) for each point of each curve; `members` is not used.
+
+        "turns" counts simulated crank turns, 0 for ideal joints. "place" is a time [s], or for wear an angle [deg].
+        """
         motions = {0: simulate_four_bar(1, with_clearance=False)}
         motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
         rows: list[Row] = []
@@ -72,13 +75,13 @@ class FourBar(PaperFigure):
 
 
 def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]:
-    """Return a row per point: `quantity`, crank `turns` (0 marks ideal joints), abscissa [s] or [deg], value."""
+    """Return a row per point of a curve after `turns` crank turns (0 for ideal joints); `places` in [s] or [deg]."""
     pairs = zip(places.tolist(), values.tolist(), strict=True)
     return [{"quantity": quantity, "turns": turns, "place": place, "value": value} for place, value in pairs]
 
 
 def _last_turn(motion: Trajectory) -> dict[str, Array]:
-    """Return (n,) means between samples in the last crank turn: driving moment [N m] and rocker's speed [rad/s]."""
+    """Return crank moment [N m] and rocker speed [rad/s], averaged over each of n sample intervals of the last turn."""
     work = motion.energies["external_work"][-SAMPLES_PER_TURN - 1 :]
     speed = motion.rates[-SAMPLES_PER_TURN - 1 :, -1]
     return {

@@ -1,7 +1,7 @@
-"""Kinds of figures in the paper: each kind makes a table from trajectories, and a picture from the table.
+"""Kinds of figures in the reproduced paper (Y. Li et al., Mech. Syst. Signal Process. 117 (2019) 188).
 
-Pictures are drawn from the tables alone, with the subplots of the paper's figures. As on the paper's axes, joint angles
-are in radians, angles round a bearing in degrees and paths in micrometres.
+Each kind makes a table from trajectories, and from the table alone a picture with the paper's subplots. As in the
+paper, joint angles are in radians, angles round a bearing in degrees, and a journal's path within it in micrometres.
 """
 
 import itertools
@@ -46,8 +46,7 @@ class PaperFigure(ABC):
         number: number of the figure in the paper.
         title: content of the figure.
         cases: names of the deployments shown; the second of two has the contact stiffness of the paper's Eq 40.
-        ensemble: true if the figure shows median and range of an ensemble. Otherwise the figure shows the nominal
-            run, for example because impacts strike at other times in every member.
+        ensemble: true if the figure shows median and range of an ensemble, false if it shows the nominal run.
     """
 
     number: int
@@ -97,7 +96,11 @@ class DeploymentFigure(PaperFigure):
     """A figure of deployments; its table has a column for the abscissa, such as time, and one for each curve."""
 
     def table(self, members: Sequence[Member]) -> list[Row]:
-        """Return a row per abscissa value, in nine digits: a run's values or an ensemble's median, least, greatest."""
+        """Return a row for each abscissa value, with numbers of nine significant digits.
+
+        Each of `members` maps names of deployments to an ensemble member's trajectories. If `ensemble` is true, each
+        curve has three columns: median, least and greatest value over the members. Otherwise the first member is shown.
+        """
         tables = [self._columns(member) for member in members]
         columns = tables[0]
         if self.ensemble:
@@ -116,7 +119,10 @@ class DeploymentFigure(PaperFigure):
 
 
 class CaseFigure(DeploymentFigure):
-    """A plot of one deployment or two. The second has stiffness by the paper's Eq 40, and table columns "eq_40_..."."""
+    """A figure of one deployment, or of two with different contact stiffness.
+
+    The second has stiffness by the paper's Eq 40, a Hertzian formula. Its columns in the table begin with "eq_40_".
+    """
 
     def _columns(self, member: Member) -> dict[str, Array]:
         first, *others = (self._of(member[case]) for case in self.cases)
@@ -249,7 +255,10 @@ class Torques(ContactForces):
 
 
 class Wear(CaseFigure):
-    """Wear depth round bearings and journals, in two plots: contact stiffness by the paper's Table 1 and by Eq 40."""
+    """A figure of the wear depth round bearings and journals, with a plot for each of two contact stiffnesses.
+
+    The first stiffness stands in the paper's Table 1; the second follows by the paper's Eq 40, a Hertzian formula.
+    """
 
     ensemble = True
 
@@ -287,7 +296,7 @@ class Wear(CaseFigure):
 class Models(DeploymentFigure):
     """A figure of a joint quantity in four models: rigid or flexible panels, ideal joints or joints with clearance.
 
-    It also shows differences from the first model in initial impacts, later deployment, and after latching.
+    It also shows differences from the first model in three periods: initial impacts, later deployment, after latching.
     """
 
     quantity: str

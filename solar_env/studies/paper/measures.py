@@ -39,7 +39,7 @@ def ratio(figure: Figure) -> Comparison:
 
 
 def both(choose: Callable[[Iterable[float]], float], figure: Callable[..., float]) -> Callable[..., float]:
-    """Return a function of trajectories: `choose`, such as `max`, applied to the values of `figure` for both joints."""
+    """Return a function of trajectories: `choose`, such as `max`, of figure(*trajectories, joint=j) for j = 0 and 1."""
     return lambda *motions: choose(figure(*motions, joint=joint) for joint in JOINTS)
 
 
@@ -93,10 +93,7 @@ def phase_of(motion: Trajectory, joint: int) -> NDArray[np.int64]:
 
 
 def greatest_force(motion: Trajectory, joint: int, edges: Array) -> Array:
-    """Return the (k,) greatest contact force [N] in each of the windows between `edges` (k + 1,) [s].
-
-    Samples alone would miss the peaks of impacts, which last a millisecond.
-    """
+    """Return the (k,) greatest contact forces [N], impacts included, in the windows between `edges` (k + 1,) [s]."""
     greatest = _maxima(motion.time, np.abs(motion.normal_force[:, joint]), edges)
     contacts = contacts_of(motion, joint)
     short = contacts[contacts["end_s"] - contacts["start_s"] < LASTING]
@@ -166,9 +163,10 @@ def time_of_turning(motion: Trajectory, joint: int) -> float:
 
 
 def slide(motion: Trajectory, joint: int) -> float:
-    """Return the greatest angle [deg] by which a journal moves round its bearing in 0.1 s (SLIDE) after the latching.
+    """Return the angle [deg] by which a journal moves round its bearing in the first 0.1 s (SLIDE) after its latching.
 
-    Clockwise is positive: in the paper, whose panels fold to the other side, the same motion is anticlockwise.
+    It is the angle of greatest magnitude in that time. Clockwise is positive: in the paper, whose panels fold to the
+    other side, the same motion is anticlockwise.
     """
     angle, start = journal_angle(motion, joint), float(motion.latch_times[joint])
     window = (motion.time >= start) & (motion.time <= start + SLIDE)
@@ -182,7 +180,7 @@ def median_peak(motion: Trajectory, joint: int) -> float:
 
 
 def window_forces(motion: Trajectory) -> Array:
-    """Return the (2, windows) greatest contact forces [N] of both joints in each 0.25 s window after latching."""
+    """Return the (2, windows) greatest contact forces [N] of both joints in 0.25 s windows after the last latching."""
     edges = windows_after_latching(motion)
     return np.stack([greatest_force(motion, joint, edges) for joint in JOINTS])
 
@@ -208,7 +206,10 @@ def synchrony(motion: Trajectory) -> float:
 
 
 def burst_rank(motion: Trajectory) -> float:
-    """Rank 0.25 s windows after latching by peak contact force, 0 to 1; return the mean rank at the paper's bursts."""
+    """Return the mean rank of the 0.25 s windows in which the paper's Fig 10 shows bursts of impacts (BURSTS).
+
+    All windows after the last latching are ranked by peak contact force, from 0 (least) to 1 (greatest).
+    """
     edges, forces = windows_after_latching(motion), window_forces(motion).max(axis=0)
     ranks = forces.argsort().argsort() / (len(forces) - 1)
     return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
@@ -256,7 +257,10 @@ def swing(motion: Trajectory, joint: int) -> float:
 
 
 def vibration(motion: Trajectory) -> float:
-    """Return the root mean square [rad/s] of joint rates about their running mean, between 2 and 12.5 s (QUIET)."""
+    """Return the root mean square [rad/s] of the rates of all joints together, less their running means over 0.5 s.
+
+    Only times between 2 and 12.5 s (QUIET) count, clear of the start and of the latching.
+    """
     width = round(RUNNING_MEAN / float(motion.time[1] - motion.time[0]))
     rates = motion.rates[(motion.time >= QUIET[0]) & (motion.time <= QUIET[1])]
     means = np.stack([np.convolve(rate, np.ones(width) / width, "valid") for rate in rates.T], axis=1)

@@ -1,4 +1,4 @@
-"""Measurement of claims over an ensemble, and over the ranges of parameters that the paper leaves open."""
+"""Test of the paper's claims by an ensemble of runs, and by runs with other values of parameters it leaves open."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -54,7 +54,10 @@ class Finding:
 
 
 def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[CaseRun]:
-    """Return all runs that claims need, longest first: `members` per deployment, and some with other parameters."""
+    """Return all runs that the claims need, first the runs with flexible panels, which take longest.
+
+    Each deployment has `members` runs, and up to RANGE_MEMBERS for every other value of a parameter that is left open.
+    """
     runs = [CaseRun(case, member) for claim in claims for case in claim.cases for member in range(members)]
     for claim in claims:
         for parameter in claim.open_parameters:
@@ -140,7 +143,10 @@ def as_markdown(findings: Sequence[Finding]) -> str:
 
 
 def _places(finding: Finding) -> str:
-    """Return a text: per parameter that the paper leaves open, values where the claim holds, "not", the others."""
+    """Return a text such as "latch_gap 0.003, 0.01, not 0.03" for each parameter that the paper leaves open.
+
+    The claim holds at the values before "not". "every latch_gap" or "no latch_gap" says that it always or never holds.
+    """
     places = []
     for name, held in finding.holds_for.items():
         failed = finding.fails_for[name]

@@ -225,9 +225,10 @@ class BeamArray(PeerArray):
         return int(self.system.AddMarker(marker))
 
     def _belt(self, ends: Any) -> int:
-        """Add a massless body along panel 1's chord, pinned at the root and sliding at the tip; return its number.
+        """Add a massless body along panel 1's chord, against which the cable loop's wheels turn; return its number.
 
-        `ends` has two points (body number, x, y) for each joint, on bearing and journal, in the body's frame [m].
+        It is pinned to the panel's root, the journal of joint 1, and slides at the tip, the bearing of joint 2. `ends`
+        has bearing and journal of each joint, each as a point (body number, x, y) in the body's frame [m].
         """
         p, system = self.p, self.system
         speed, spin = self.release()[0]

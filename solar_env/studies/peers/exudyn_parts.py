@@ -70,7 +70,10 @@ class PeerArray(ABC):
         return int(self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0.0])))
 
     def torque_matrix(self, to_angles: Any, nodes: list[int]) -> None:
-        """Add spring and cable torques to the system; `to_angles` (2, n) maps coordinates of `nodes` to both angles."""
+        """Add the torques of hinge springs and cable loop to the system, as an object with a stiffness matrix.
+
+        The matrix `to_angles` (2, n) maps the n coordinates of `nodes` to the two joint angles.
+        """
         p = self.p
         springs = [p.by_joint("spring_stiffness", j) for j in (0, 1)]
         relaxed = [p.by_joint("spring_preload_angle", j) for j in (0, 1)]
@@ -115,7 +118,10 @@ class PeerArray(ABC):
                 self.contacts.append(system.AddSensor(sensor))
 
     def watch(self, *coordinates: tuple[int, int, float]) -> None:
-        """Store `coordinates` (node, index, reference to add) in `watched`; add nodes' coordinate and rate sensors."""
+        """Store `coordinates` in `watched`, and add sensors of their nodes' coordinates and rates to `sensors`.
+
+        Each is (node, index of the coordinate in the node, reference value to add to the sensor's reading).
+        """
         self.watched = list(coordinates)
         for node, _, _ in coordinates:
             if node not in self.sensors:
@@ -129,7 +135,10 @@ class PeerArray(ABC):
                 self.sensors[node] = place, rate
 
     def _add_latches(self, coordinates: list[tuple[int, int]]) -> None:
-        """Add a latch between each joint's two markers, engaged from the first step past its lock angle; assemble."""
+        """Add a latch between each joint's two coordinate markers in `coordinates`, then assemble the Exudyn system.
+
+        A latch acts from the first step that begins past its lock angle.
+        """
         system, latch_times, objects = self.system, self.latch_times, []
         locks = [joint.lock_angle for joint in self.p.joints]
         for j, pair in enumerate(coordinates):

@@ -76,7 +76,7 @@ def _settings(scene: Scene, step: float) -> Any:
 
 
 def _angles(array: PeerArray) -> Array:
-    """Return the (nt, 2) joint angles [rad] at the scene's sample times, by Hermite interpolation of sensor data."""
+    """Return (nt, 2) joint angles [rad] at the deployment's sample times, by Hermite interpolation of sensor data."""
     values = []
     for node, column, rest in array.watched:
         places, rates = (array.system.GetSensorStoredData(sensor) for sensor in array.sensors[node])

@@ -76,13 +76,16 @@ def runs(plan: ChartPlan) -> dict[Key, Job]:
 
 
 def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
-    """Simulate a scene's deployment at a model level, with the perturbations of ensemble member `member`."""
+    """Return the deployment's `Motion` with the panels and tolerance of `level`, perturbed as ensemble run `member`."""
     parameters = perturbed(scene.parameters, member)
     return run_ours(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
 def tabulate(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
-    """Return a table row per model level: cost and errors with ideal joints, then ensemble means with clearance."""
+    """Return a table row for each model level (panels and tolerance).
+
+    Wall time and errors are with ideal joints. Ensemble means of forces, work, impacts and wear are with clearance.
+    """
     finest = [level for level in plan.levels if family(level) == MODES][-1]
     reference = results[finest, None].motion
     if reference is None:
@@ -122,7 +125,7 @@ def _means(ensemble: list[Measured]) -> Row:
 
 
 def draw(rows: Table, folder: Path) -> list[Path]:
-    """Plot wall time against errors (ideal joints) and ensemble means (clearance), write tables; return both paths."""
+    """Plot wall time against errors and ensemble means, and tabulate them on a Markdown page; return both paths."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
     figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):
@@ -179,7 +182,7 @@ def conclusion(rows: Table) -> str:
 
 
 def _page(rows: Table) -> str:
-    """Return Markdown tables by level: errors (ideal joints), ensemble means (clearance); if many, only `_ON_PAGE`."""
+    """Return Markdown tables of the main model levels: errors with ideal joints, and ensemble means with clearance."""
     shown = [row for row in rows.rows if len(rows.rows) <= len(_ON_PAGE) or row["level"] in _ON_PAGE]
     errors = [
         [str(row["level"]), f"{number(row, 'wall_ideal_s'):.3g}", *(f"{number(row, error):.1e}" for error in ERRORS)]
@@ -201,7 +204,7 @@ def _page(rows: Table) -> str:
 
 
 def _mean(row: Mapping[str, Cell], statistic: str, joint: int) -> tuple[float, float]:
-    """Return mean and standard error of a statistic (key of MEANS) at a joint, in the unit of the statistic's label."""
+    """Return a row's mean and standard error of `statistic` at `joint`, in the unit that its label in MEANS names."""
     mean, error = (number(row, f"{statistic}_{joint}{suffix}") for suffix in ("", "_error"))
     return MEANS[statistic][1] * mean, MEANS[statistic][1] * error
 

@@ -47,11 +47,14 @@ class Method:
         return not (self.peer and peer_is_missing())
 
     def solve(self, scene: Scene, setting: float) -> Motion:
-        """Return a deployment's `Motion` at a step [s] or tolerance, with the method's own `panels`, if given."""
+        """Simulate a deployment at a step [s] or tolerance `setting`, and return its `Motion` record.
+
+        If the method can simulate only one kind of flexible panels, they replace the deployment's flexible panels.
+        """
         return self.program(self.scene(scene), setting)
 
     def scene(self, scene: Scene) -> Scene:
-        """Return the deployment with flexible panels as in `panels`, such as "32 modes"; unchanged if that is empty."""
+        """Return `scene` with its flexible panels replaced by the method's own `panels`, unchanged if that is empty."""
         return replace(scene, model=with_panels(scene.model, self.panels)) if self.panels else scene
 
     def size(self, scene: Scene) -> str:

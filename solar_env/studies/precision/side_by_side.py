@@ -67,21 +67,13 @@ _COLUMNS = (
 
 @dataclass(frozen=True)
 class Case:
-    """A run of the comparison with Exudyn, the peer.
+    """A run of the comparison with Exudyn, the peer: its model, method, setting, and number in an ensemble."""
 
-    Attributes:
-        model: one of `array.MODELS`.
-        method: name of a method or DEFAULT; _REFERENCE or _ENSEMBLE for runs that others are compared with.
-        value: value of the method's setting (step or tolerance).
-        member: member of the ensemble; only the nominal run, member 0, is timed.
-        watched: true if the peer records contact forces at every step, which costs time.
-    """
-
-    model: str
-    method: str
-    value: float = 0.0
-    member: int = 0
-    watched: bool = False
+    model: str  # one of `array.MODELS`
+    method: str  # name of a method or DEFAULT; _REFERENCE or _ENSEMBLE for runs that others are compared with
+    value: float = 0.0  # value of the method's setting (step or tolerance)
+    member: int = 0  # member of the ensemble; only the nominal run, member 0, is timed
+    watched: bool = False  # whether the peer records contact forces at every step, which costs time
 
 
 def _job(plan: ChartPlan, case: Case) -> Job:
@@ -101,9 +93,9 @@ def _job(plan: ChartPlan, case: Case) -> Job:
 
 
 def runs(plan: ChartPlan) -> dict[Case, Job]:
-    """Return the simulations to time (`Job`) by `Case`: for every model a reference run, and runs of all methods.
+    """Return a mapping from `Case` to `Job`, a run to be timed: each model's reference run, and runs of all methods.
 
-    With hinge clearance, ensembles of our runs and Exudyn runs that record forces are added to compare peak forces.
+    With clearance, ensembles of our runs and Exudyn runs that record forces are added, to compare peak forces.
     """
     cases: list[Case] = []
     for model in plan.models:
@@ -119,7 +111,10 @@ def runs(plan: ChartPlan) -> dict[Case, Job]:
 
 
 def tabulate(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
-    """Return a row per model, method and setting: wall times, errors, peak forces / the most accurate ensemble's."""
+    """Return a table row per model, method and setting, with wall times, errors, and ratios of peak forces.
+
+    A ratio is a joint's mean peak force divided by its mean in an ensemble of more accurate runs.
+    """
     rows: list[Row] = []
     for case, result in results.items():
         if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE):
@@ -153,7 +148,11 @@ def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
 
 
 def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
-    """Return each joint's ratio of mean peak forces, case / converged ensemble, and its standard error, or nan."""
+    """Return table cells: each joint's mean peak force divided by the converged ensemble's, and its standard error.
+
+    The converged ensemble is the runs in `results` of the same model and the method _ENSEMBLE. All cells are nan if
+    `case` has no forces, or if the ensemble has fewer than two runs or a joint without force.
+    """
     means, errors = np.full(2, math.nan), np.full(2, math.nan)
     forces, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
     if len(forces) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
@@ -195,7 +194,10 @@ def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """Return a title with each model's least wall-time ratio, Exudyn's / ours, with our errors at most Exudyn's."""
+    """Return a title that states, for each model, the least ratio of Exudyn's wall time to this library's.
+
+    Each of Exudyn's runs is compared with this library's fastest run whose errors are no larger.
+    """
     least: dict[str, float] = {}
     for row in rows.where(peer=1).rows:
         ratio = ratio_at_equal_error(rows, row)

@@ -60,10 +60,11 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
 
 
 def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Finding:
-    """Simulate a journal under half the limiting friction torque; return sliding speed [m/s] and class like "creeps".
+    """Simulate a journal under half the limiting friction torque; return its final sliding speed [m/s] and an outcome.
 
+    The outcome is "fine", "creeps", "stiff" (needs very short steps), "wrong value", or an error's, such as "blow-up".
     Friction rises from zero at the sliding speed `speed_zero` [m/s] to its limit at `speed_full`. The text `panel`
-    selects the integrator, and titles a subplot: "runge-kutta" or "generalized-alpha, step 0.1 ms".
+    selects the integrator, "runge-kutta" or "generalized-alpha, step 0.1 ms".
     """
 
     def judge(run: Trajectory) -> Finding:

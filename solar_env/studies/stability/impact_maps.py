@@ -1,10 +1,9 @@
 """Stability maps of impacts: fixed steps that generalized-alpha needs in a contact, and restitution of contact laws.
 
 A block bounces between the two walls of its gap (`textbook.bouncing_block`). Nothing acts in free flight, so that the
-impact speed of a contact is the exit speed of the contact before. The ratio of successive impact speeds is therefore
-the restitution of a bounce, which is compared with the contact law's exact restitution. Damping multiplies the
-contact force by 1 + d * (depth rate / impact speed), with the damping factor d. Zero impact speed would make this
-singular; a minimum impact speed prevents the singularity.
+ratio of successive impact speeds is the restitution of a bounce. It is compared with the contact law's exact
+restitution. Damping multiplies the contact force by 1 + d * (depth rate / impact speed), with the damping factor d. A
+minimum impact speed keeps this finite.
 """
 
 import math
@@ -92,9 +91,10 @@ def measure_restitution(law: str, restitution: float, speed: float) -> Finding:
 
 
 def restitution_limit(law: str, speed: float) -> float:
-    """Return the greatest restitution coefficient that a contact law misses by over 0.05; nan if it never does.
+    """Return the greatest prescribed restitution from which a contact law's own differs by more than 0.05, or nan.
 
-    At a `speed` [m/s] below the minimum impact speed, the damping is weaker by the ratio of the two speeds.
+    The law's own restitution is the ratio of exit to impact speed in closed form. If the impact `speed` [m/s] is below
+    SLOWEST, the default minimum impact speed, damping is weaker by the ratio of the two speeds.
     """
     for asked in np.arange(1000, 0, -1) / 1000.0:
         contact = contact_law(law, ARRAY.surfaces(0), float(asked))

@@ -1,8 +1,8 @@
 """Stability maps, which show where numerical methods fail: definition of a map, and measurement of its cells.
 
-A map has two axes and one or more panels. Each cell of a map is one small run with a known answer. The run is
-classified by how it fails, and what this library reported is kept: an error, a warning, or a quantity of the result. A
-run that fails without a report is a fault of this library: see `silent_failures`.
+A map has two axes and one or more panels. Each cell of a map is one small run with a known answer, classified by how
+it fails. The library's report is kept: an error, a warning, or a quantity of the result. A run that fails without a
+report is a fault of this library (`silent_failures`).
 """
 
 import math
@@ -57,12 +57,12 @@ class Axis:
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of a map's run: outcome, map's quantity (nan after an error), any error, warning or other indication."""
+    """Result of a run: outcome, quantity in a stability map (nan after an error), and this library's report, if any."""
 
     kind: Kind
     value: float
-    said: Said = Said.SILENT
-    message: str = ""
+    said: Said = Said.SILENT  # kind of this library's report: error, warning, or a quantity in the result
+    message: str = ""  # text of the report
 
 
 @dataclass(frozen=True)
@@ -94,14 +94,17 @@ class StabilityMap:
         return {**place, "limit": self.limit(panel, y), "said": cell.said, "message": cell.message}
 
     def description(self) -> dict[str, str]:
-        """Return a plot's texts by name: title, columns and labels of the axes, meaning of value and limit, advice."""
+        """Return a plot's texts by key: "title", "x", "y", "x label", "y label", "value", "limit" and "advice".
+
+        Keys "x" and "y" hold the axes' table columns. "value" explains a run's number, "limit" the limit line.
+        """
         axes = {"x": self.x.column, "y": self.y.column, "x label": self.x.label, "y label": self.y.label}
         texts = {"value": self.quantity, "limit": self.limit_label, "advice": self.advice}
         return {"title": self.title, **axes, **texts}
 
 
 def listen(run: Callable[[], Result], judge: Callable[[Result], Finding]) -> Finding:
-    """Return `judge(run())`; any warnings become its report.
+    """Return the finding `judge(run())`; if `run` warns, its warnings replace the finding's report.
 
     If `run` raises a SimulationError or ValueError, return a finding with the error's class and text and a nan value.
     """

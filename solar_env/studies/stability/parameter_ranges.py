@@ -67,7 +67,10 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
 
 
 def measure(path: Path, tick: Callable[[], object]) -> None:
-    """Simulate every model with every parameter times every factor; write outcomes to `path`; call `tick` per run."""
+    """Simulate deployments with one parameter at a time multiplied by one of FACTORS; write outcomes to `path` (CSV).
+
+    The runs cover all combinations of model, parameter and factor. `tick` is called after each run.
+    """
     rows = []
     for name in NAMES:
         for model in MODELS:

@@ -27,7 +27,9 @@ _IN_A_LINE = 6  # classes in a line of the legend
 
 
 def draw_map(table_path: Path, figure_path: Path) -> None:
-    """Plot a stability map from its CSV table: outcome and value of each run, theoretical limit, remedy for failures.
+    """Plot a stability map from its CSV table: outcome and number of each run, theoretical limit, advice.
+
+    The number is the quantity that the map is about, and the advice tells how to avoid failures.
 
     Raises:
         ValueError: if the table is not a map's table.

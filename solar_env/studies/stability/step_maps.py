@@ -1,13 +1,12 @@
 """Stability maps of integration steps: index-3 multipliers after a change of the step, and bounces in stiff latches.
 
 The first map varies new / old step and the rho_inf of generalized-alpha. A pendulum swings for a second; then the step
-changes, and the library solves accelerations and multiplier afresh. The multiplier is compared with the tension that
-follows from position and velocity: the length constraint's multiplier is m (v^2 - g . r) / L^2. With rho_inf = 1 an
-error of the multipliers grows (A. Cardona and M. Geradin, Comput. Struct. 33 (1989) 801,
-doi:10.1016/0045-7949(89)90255-6).
+changes, and the library solves accelerations and multiplier afresh. The length constraint's exact multiplier follows
+from position and velocity: m (v^2 - g . r) / L^2. With rho_inf = 1 errors of multipliers grow (A. Cardona and
+M. Geradin, Comput. Struct. 33 (1989) 801, doi:10.1016/0045-7949(89)90255-6).
 
-The second map varies the step and a latch's stiffness. A link swings into the latch, an undamped stop that conserves
-energy. The ratio of final to initial energy shows the method's own gain or loss.
+The second map varies the step and a latch's stiffness. A link swings into the latch, an undamped stop. The ratio of
+final to initial energy shows the method's own gain or loss.
 """
 
 import math
@@ -48,7 +47,7 @@ def multiplier_errors(ratio: float, rho_inf: float) -> NDArray[np.float64]:
 
 
 def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Finding:
-    """Return a pendulum's greatest constraint-force error after a change of the time step, and a class of its course.
+    """Return a pendulum's greatest constraint-force error after a change of the time step, and a class of the errors.
 
     Errors are divided by the greatest force. The class is "fine" if no error exceeds 0.2, "spikes" if no error in the
     last quarter of the steps does, or "growing". `ratio` is new step / old step. `panel` is not used.

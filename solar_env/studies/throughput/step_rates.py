@@ -41,7 +41,7 @@ def moments(model: str) -> tuple[State, ...]:
 
 
 def placements(model: str, lanes: int) -> list[list[State]]:
-    """Return lists of `lanes` states, one per environment; together they hold all 128 saved states of a deployment."""
+    """Return lists of a saved state for each of `lanes` environments; together they hold a deployment's 128 states."""
     every = moments(model)
     return [[every[(first + lane) % MOMENTS] for lane in range(lanes)] for first in range(0, MOMENTS, lanes)]
 
@@ -86,9 +86,9 @@ def compare(contestants: Mapping[str, Contestant], lanes: int) -> dict[str, floa
     """Return vector environments' steps per second by name. They take turns, so that disturbances affect all alike.
 
     `contestants` maps a name to (vector environment, placements). A placement is a function that restores a saved state
-    in each of the `lanes` single environments, whose steps all count. In a round, each vector environment takes one
-    step from each of its placements; all have equally many. The time of a step from a placement is the median over all
-    rounds but the first.
+    in each of the `lanes` single environments. In a round, each vector environment takes one step from each of its
+    placements; all have equally many. Such a step counts as `lanes` steps. Its time is the mean over the placements of
+    medians over all rounds but the first.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     rounds: list[list[list[float]]] = []
@@ -173,7 +173,8 @@ def measurements(models: Iterable[str]) -> list[tuple[str, Callable[[], dict[str
 def as_markdown(figures: Mapping[str, Mapping[str, float]]) -> str:
     """Return Markdown tables of measured speeds, given as model -> name -> value.
 
-    Values are steps per second, ratios to one thread and other vector environments, and fraction of compiled time.
+    Values are steps per second, speed ratios (all threads to one, this library's vector environment to others), and the
+    fraction of the stepping time in compiled code.
     """
     threads = available_processors()
     rates = [(model, *(f"{measured[str(lanes)]:,.0f}" for lanes in LANES)) for model, measured in figures.items()]

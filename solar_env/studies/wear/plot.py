@@ -1,4 +1,4 @@
-"""Plot of clearance, wear and peak force against the number of deployments, from a table without new simulations."""
+"""Plot of clearance, wear and peak force against the number of deployments, drawn from a table of results."""
 
 from pathlib import Path
 

@@ -1,11 +1,10 @@
 """Campaigns of repeated deployments, in which wear enlarges the clearances of later deployments.
 
 Wear is so small that many deployments pass before it changes the clearance and the motion. Successive deployments that
-together change no clearance by more than a given fraction form a group, and only the group's first deployment is
-simulated. Its wear, times the group's size, predicts the clearance in which the next group's first deployment is
-simulated. The wear found there corrects the clearance that is carried on: within a group, wear per deployment is taken
-as linear in the deployment's number (Heun's method). The clearance grows by the sum of the mean wear depths round
-bearing and journal: the gap gains the worn volume, and stays round as the contact law requires.
+together change no clearance by more than a given fraction form a group, and only the group's first is simulated. Its
+wear, times the group's size, predicts the clearance for the next group's first. The wear found there corrects the
+clearance: within a group, wear per deployment is taken as linear in the deployment's number (Heun's method). The
+clearance grows by the sum of mean wear depths round bearing and journal, and stays round as the contact law requires.
 """
 
 import math
@@ -61,7 +60,9 @@ def measure_repeated(deployments: int, workers: int, console: Console) -> list[R
 def wear_campaign(
     parameters: ArrayParameters, deployments: int, growth: float, members: int, workers: int = 1
 ) -> Iterator[Deployment]:
-    """Simulate a campaign of repeated deployments; yield for each simulated one a record of ensemble means and errors.
+    """Simulate repeated deployments whose wear enlarges the clearances; yield a `Deployment` for each simulated one.
+
+    It holds the clearances, and means and standard errors of wear and peak force over an ensemble of runs.
 
     Args:
         parameters: parameters of the unworn array.

@@ -36,7 +36,7 @@ THREE: dict[str, Any] = {"panel_count": 3, "cable_stiffness": 5e3, "cable_preloa
 
 
 def _run(duration: float, model: str = "rigid-ideal", step: float = 0.5, **changes: Any) -> Trajectory:
-    """Simulate the default array with `changes` applied; `step` [s] is output interval and greatest time step."""
+    """Return the trajectory of the default array with `changes`; `step` [s] is output interval and longest step."""
     method = RungeKutta(rtol=1e-10, max_step=step)
     return simulate(build(ArrayParameters(**changes), model), duration, integrator=method, output_step=step)
 
@@ -104,7 +104,10 @@ def _openings() -> Iterator[Check]:
 
 
 def _hold_downs() -> Iterator[Check]:
-    """Check latch times of panels released in turn, and of light yokes whose panel stays held 0.1 rad out of line."""
+    """Yield checks of latch times: of two panels released in turn, and of a light yoke that carries a panel.
+
+    A hold-down keeps the panel 0.1 rad out of line with the yoke, whose own hinge opens and latches.
+    """
     times = _run(
         60.0, body_fixed=True, cable_stiffness=0.0, release_time=(3.0, 20.0), release_after=(0, 1), latch_gap=0.0,
         spring_preload_angle=(2.0, 3.5), latch_stiffness=1e5, latch_damping=1e3, latch_ramp_depth=1e-6,

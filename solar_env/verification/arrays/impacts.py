@@ -1,9 +1,8 @@
 """Verification of impacts within a deployment: each impact at default settings against a second, accurate solution.
 
-Deployments with clearance are chaotic: two runs soon have different impacts. Each impact of the default run is
-therefore solved a second time by the same method, from the state in which it began, with a far smaller tolerance. The
-difference shows the error of the time steps alone; the cases `restitution`, `modal-struck-bar` and `modal-struck-beam`
-compare impacts with closed forms.
+Deployments with clearance are chaotic: two runs soon have different impacts. Each impact is therefore solved a second
+time by the same method, from the state in which it began, with a far smaller tolerance. This shows the error of the
+time steps alone; `restitution`, `modal-struck-bar` and `modal-struck-beam` compare impacts with closed forms.
 """
 
 from collections.abc import Iterator
@@ -83,8 +82,6 @@ def impacts(
 ) -> tuple[Column, Column, float]:
     """Simulate a deployment by the default integration method, and each of its impacts a second time by `tight`.
 
-    The exit speed includes the effects of springs and of other joints' impacts, and can exceed the impact speed.
-
     Args:
         model: model level, such as rigid-clearance.
         duration: duration of the deployment [s].
@@ -125,7 +122,7 @@ def impacts(
 
 
 def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterator[Check]:
-    """Check the `number` of impacts compared (at least `at_least`) and the fraction `left_out` (at most 0.01)."""
+    """Yield checks, labelled `name`, that `number` impacts reach `at_least`, and that `left_out` is 0.01 or less."""
     missing = max(at_least - number, 0)
     yield Check(f"{name}: impacts compared: {number}, at least {at_least}", 0.0, missing, 0.0, _ALONE)
     quantity = f"{name}: share of the impacts left out, where surfaces part for a moment in one of the two runs alone"
@@ -133,7 +130,7 @@ def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterato
 
 
 def explicit_impacts() -> Iterator[Check]:
-    """Check the explicit method's exit speeds of impacts, with rigid panels, against accurate runs of each impact."""
+    """Yield checks of the explicit method's impact exit speeds (rigid panels) against accurate runs of each impact."""
     name, tight = "rigid-clearance, 30 s", RungeKutta(rtol=1e-10, impact_resolution=_STEPS_PER_IMPACT)
     speed, errors, left_out = impacts("rigid-clearance", 30.0, tight, IMPACT_DURATIONS)
     yield from _compared(name, speed.size, 1000, left_out)
@@ -141,7 +138,7 @@ def explicit_impacts() -> Iterator[Check]:
 
 
 def modal_impacts() -> Iterator[Check]:
-    """Check exit speeds of impacts, with modally reduced flexible panels, against more accurate runs of each impact.
+    """Yield checks of impact exit speeds, with modally reduced flexible panels, against accurate runs of each impact.
 
     The integrator's tolerance corresponds to a speed of 0.1 mm/s. Exit speeds of slow impacts are therefore judged by
     their absolute errors, not by errors relative to the impact speed.

@@ -58,7 +58,10 @@ def _latched_swing(stop: Stop, rate: float, duration: float) -> tuple[float, flo
 
 
 def _swinging_link(stop: Stop, rate: float) -> Mechanism:
-    """Make a link that turns about a fixed hinge towards its latch, or at a negative rate towards its stow stop."""
+    """Return a mechanism of a link on a fixed hinge, whose latch and stow stop both have the parameters `stop`.
+
+    The initial `rate` [rad/s] turns the link towards the latch if positive, towards the stow stop if negative.
+    """
     link = Link(1.5, 6.0, INERTIA - 6.0 * 0.75**2)
     joint = Joint("hinge", GROUND, "link", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=LOCK, stow_angle=0.0)
     return Mechanism((link.body("link", 0j, 0.0, 0j, rate),), (joint,))

@@ -1,9 +1,8 @@
 """Verification of the four-bar linkage whose crank turns uniformly: ideal pins over a turn, and one pin with play.
 
-The theory is closed-form kinematics and Newton-Euler inverse dynamics. Complex numbers stand for vectors of the plane.
-Differentiating the closed loop once and twice gives rates and accelerations of the driven links. Moments about two pins
-give the force in the last moving pin, and force balances give the other pin forces (J. J. Uicker, G. R. Pennock and
-J. E. Shigley, Theory of Machines and Mechanisms, Oxford University Press).
+The theory is closed-form kinematics and Newton-Euler inverse dynamics (J. J. Uicker, G. R. Pennock and J. E. Shigley,
+Theory of Machines and Mechanisms, Oxford University Press). Complex numbers are vectors of the plane. The closed loop
+is differentiated twice. Moments about two pins give the force in the last moving pin, force balances the others.
 """
 
 import cmath
@@ -34,23 +33,14 @@ BOOKS = "conservation of energy"
 
 @dataclass(frozen=True)
 class LinkageState:
-    """Motion and forces of the linkage at one crank angle.
+    """Rocker motion, crank moment, pin forces and the effect of play in the linkage at one crank angle."""
 
-    Attributes:
-        output: rocker's angle [rad].
-        output_rate: rocker's rate [rad/s].
-        output_acceleration: rocker's angular acceleration [rad/s2].
-        crank_moment: moment that keeps the crank turning uniformly [N m].
-        pin_forces: force x + i y on the outboard body of each pin, in the mechanism's order of pins [N].
-        play_gain: greatest rocker rotation per small displacement of the journal in any single pin [rad/m].
-    """
-
-    output: float
-    output_rate: float
-    output_acceleration: float
-    crank_moment: float
-    pin_forces: tuple[complex, ...]
-    play_gain: float
+    output: float  # rocker's angle [rad]
+    output_rate: float  # rocker's rate [rad/s]
+    output_acceleration: float  # rocker's angular acceleration [rad/s2]
+    crank_moment: float  # moment that keeps the crank turning uniformly [N m]
+    pin_forces: tuple[complex, ...]  # force x + i y on the outboard body of each pin, in the mechanism's order [N]
+    play_gain: float  # greatest rocker rotation per small displacement of the journal in any single pin [rad/m]
 
 
 def _moment(arm: complex, force: complex) -> float:
@@ -68,10 +58,9 @@ def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: 
 def four_bar_state(
     crank: Link, coupler: Link, rocker: Link, ground_length: float, rate: float, angle: float, gravity: float
 ) -> LinkageState:
-    """Return motion and forces of the uncrossed four-bar linkage at a crank angle [rad] and constant rate [rad/s].
+    """Return an uncrossed four-bar linkage's rocker motion, crank moment and pin forces at a crank `angle` [rad].
 
-    The `LinkageState` holds the rocker's angle, rate and angular acceleration, the crank's moment, and forces x + i y
-    of the pins, in SI units. The ground pins are `ground_length` [m] apart, and `gravity` [m/s2] acts along -y.
+    The crank's `rate` [rad/s] is constant, ground pins are `ground_length` [m] apart, `gravity` [m/s2] acts along -y.
     """
     pin = cmath.rect(crank.length, angle)
     # Freudenstein: the triangle on the diagonal from the rocker's ground pin to the crank pin gives the rocker's angle.
@@ -170,7 +159,6 @@ def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
     """Compare the crank's work in each twentieth of the last turn with the work in a linkage without play.
 
     `ideal` has this linkage's states at the times of `motion`. Return the greatest error divided by the greatest work.
-    Forces would differ more: they keep ringing in a contact that is hardly damped.
     """
     power = RATE * np.array([state.crank_moment for state in ideal])
     exact = cumulative_simpson(power, x=motion.time, initial=0.0)
@@ -180,7 +168,10 @@ def _work_error(motion: Trajectory, ideal: list[LinkageState]) -> float:
 
 
 def four_bar_clearance() -> Iterator[Check]:
-    """Check a crank-rocker under gravity with play in one pin at a time; weights keep every pin in contact."""
+    """Yield checks of a crank-rocker with play in one pin at a time; the links' weights keep the pins in contact.
+
+    The rocker's angle and the crank's work are compared with a linkage without play; energy must be conserved.
+    """
     turn = 2.0 * math.pi / RATE
     for joint, pin in enumerate(FOUR_BAR_PINS):
         for clearance in (1e-4, 1e-5):

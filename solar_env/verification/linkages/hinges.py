@@ -34,7 +34,10 @@ def swing(duration: float, method: Integrator, spin: float = 0.0, **joint: Any) 
 
 
 def damped_pendulum(damping: float, time: float) -> float:
-    """Return a sprung and damped bar's angle [rad] `time` [s] after release from 0; the spring is relaxed at 1 rad."""
+    """Return the angle [rad] of a sprung bar with a damper `damping` [N m s/rad], `time` [s] after release from rest.
+
+    The bar starts at 0; its spring, of stiffness STIFFNESS, is relaxed at 1 rad. The inertia is INERTIA.
+    """
     decay, square = 0.5 * damping / INERTIA, STIFFNESS / INERTIA - (0.5 * damping / INERTIA) ** 2
     root = math.sqrt(abs(square))
     cosine, sine = (math.cos, math.sin) if square > 0.0 else (math.cosh, math.sinh)

@@ -62,9 +62,10 @@ def step_responses() -> Iterator[Check]:
 
 
 def bent(load: float, moment: float) -> tuple[float, float, float]:
-    """Bend a clamped panel; return largest slope in its frame [rad], and relative errors of tip deflection and angle.
+    """Bend a clamped modal panel; return its largest end slope [rad], and relative errors of tip deflection and angle.
 
-    `load` is P L^2 / (E I) for a tip load P across the undeformed panel, `moment` is M L / (E I) for a tip moment M.
+    The slope is relative to the panel's floating frame, and the errors are relative to the extensible elastica. `load`
+    is P L^2 / (E I) for a tip load P across the undeformed panel, `moment` is M L / (E I) for a tip moment M.
     """
     # Critical damping brings the panel to rest within seconds.
     beam = replace(PANEL, damping=0.2)

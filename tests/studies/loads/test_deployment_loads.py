@@ -169,7 +169,9 @@ def test_an_ensemble_runs_at_a_level_with_clearance_and_at_the_finest():
         "flexible-clearance, 32 modes",
         "flexible-clearance, 48 modes, rtol / 10",
     ]
-    assert ensemble.LoadsPlan(FAST).model == cheapest_level("peak-force", 0.15)
+    assert ensemble.LoadsPlan(FAST).levels[0].model == cheapest_level("peak-force", 0.15)
+    fitted = ParameterFile(FAST_PARAMETERS.with_changes({"panel_masses": [[1, 0.5, 0.2]]}), {})
+    assert ["elements" in level.name for level in ensemble.LoadsPlan(fitted).levels] == [True, True]
     for wrong in ({"members": 0}, {"window": 0.0}, {"deadline": math.nan}, {"model": "rigid-ideal"}):
         with pytest.raises(ValueError, match=r"must be|ideal joints"):
             ensemble.LoadsPlan(FAST, **wrong)

@@ -87,10 +87,8 @@ class CableElements(BodyKind[FlexibleBody]):
         return force
 
     def error_weight(self, body: FlexibleBody) -> Array:
-        """Return error-norm factors (n,) that scale coordinates to translations: 1 for positions, a length for slopes.
-
-        A slope times its length [m] has the same diagonal entry in the element's mass matrix as a position.
-        """
+        """Return error-norm factors (n,) that turn coordinates into lengths: 1 for positions, a length for slopes."""
+        # A slope times this length [m] has the same diagonal entry in the element's mass matrix as a position.
         slope = math.sqrt(4.0 / 156.0) * body.length / body.elements
         return np.tile([1.0, 1.0, slope, slope], body.elements + 1)
 
@@ -115,11 +113,7 @@ class CableElements(BodyKind[FlexibleBody]):
 
 
 def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
-    """Return the table of all beams' elements, in blocks of LANES that are computed together; skip other bodies.
-
-    Args:
-        bodies: pair (index of the first coordinate, description) of every body.
-    """
+    """Return the beams' elements in blocks of LANES; `bodies` yields pairs (index of first coordinate, body)."""
     rows = [
         (
             first + 4 * e,
@@ -147,7 +141,7 @@ def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
 
 @kernel(inlined=False)
 def add_mass_product(body, constants, a, out):
-    """Add a beam's mass matrix times the accelerations `a` (n,) to `out` (n,)."""
+    """Add the mass matrix of beam `body`, which `constants` stores, times the accelerations `a` (n,) to `out` (n,)."""
     rows = body.coordinates // 2
     for i in range(rows):
         x = body.offset + 2 * i
@@ -207,7 +201,10 @@ def kinetic_energy(body, constants, v):
 
 @kernel(inlined=False)
 def add_mass_matrix(body, constants, weight, elimination, matrix):
-    """Add weight * (a beam's mass matrix) to the profile matrix `matrix`, ordered by `elimination` (`profile.py`)."""
+    """Add `weight` times the mass matrix of the beam `body` to the sparse matrix `matrix` (`ProfileMatrix`).
+
+    The array `constants` stores all beams' mass matrices; `elimination` gives each coordinate's place in `matrix`.
+    """
     for i in range(body.coordinates // 2):
         for k in range(max(0, MASS_BAND - 1 - i), MASS_BAND):
             j = i - (MASS_BAND - 1) + k

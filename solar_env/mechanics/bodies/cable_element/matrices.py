@@ -70,10 +70,7 @@ def shape_at(elements: int, element_length: float, place: float) -> NDArray[np.f
 def stiffness_matrix(
     elements: int, element_length: float, axial_stiffness: float, bending_stiffness: float
 ) -> NDArray[np.float64]:
-    """Return the sum of a straight beam's stiffness matrices for axial and for transverse motion.
-
-    The two motions do not couple. If one stiffness is zero, the result is the matrix of the other motion.
-    """
+    """Return the sum of a straight beam's axial and transverse stiffness matrices; a stiffness of 0 omits one."""
     element = np.zeros((4, 4))
     bending = bending_stiffness / element_length**2
     for points, stiffness, first in ((AXIAL, axial_stiffness, 0), (BENDING, bending, 3)):
@@ -94,7 +91,10 @@ def lower_band(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def factor_band(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Factor a mass matrix as L D L^T; return the lower band of L, with 1 / D in the last column."""
+    """Factor a beam's full mass matrix (rows, rows) as L D L^T, with unit lower triangular L and diagonal D.
+
+    Return an array (rows, MASS_BAND). Entry (i, k) is L[i, i - 3 + k]; in the last column, k = 3, it is 1 / D[i, i].
+    """
     factor = np.linalg.cholesky(matrix)
     pivots = np.diagonal(factor)
     band = lower_band(factor / pivots)
@@ -113,9 +113,8 @@ def stable_step(
 ) -> float:
     """Return the largest step [s] with which explicit Runge-Kutta of order four is stable on the free straight beam.
 
-    Every vibration u obeys u'' + damping omega^2 u' + omega^2 u = 0. For both eigenvalues s, z = s * step must satisfy
-    |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996,
-    section IV.2, doi:10.1007/978-3-642-05221-7).
+    Every vibration u obeys u'' + damping omega^2 u' + omega^2 u = 0. Both eigenvalues times the step must lie in the
+    stability domain (E. Hairer and G. Wanner, Solving ODEs II, 1996, section IV.2, doi:10.1007/978-3-642-05221-7).
     """
     count, limit = min(elements, _REPRESENTATIVE_ELEMENTS), math.inf
     mass, reaches = mass_matrix(count, element_length, linear_density), np.linspace(1e-2, 4.0, 40_000)

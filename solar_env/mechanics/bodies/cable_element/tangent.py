@@ -24,7 +24,7 @@ _POINTS = len(AXIAL) + 4 * len(BENDING)
 
 
 class ElementSlopes(NamedTuple):
-    """Work arrays for derivatives of internal forces: a row per component, a column per element, COLUMNS at a time."""
+    """Work arrays for derivatives of beam elements' internal forces; a row holds one quantity for COLUMNS elements."""
 
     motion: NDArray[np.float64]  # 12 rows: chord and slopes, then their rates
     local_stiffness: NDArray[np.float64]  # 4 rows for each of the _POINTS blocks
@@ -47,9 +47,10 @@ def make_element_slopes() -> ElementSlopes:
 def _expansion() -> NDArray[np.float64]:
     """Return weights (9, _POINTS) that turn force derivatives at quadrature points into an element's force derivatives.
 
-    Row 3 i + j is for the derivative of force i with respect to vector j: 0 is the chord, 1 and 2 are end slopes. First
-    comes a column per axial point, for the force conjugate to r' and its derivative with respect to r'. Then come four
-    per bending point, for these pairs of force and variable: (r', r'), (r', L r''), (L r'', r'), (L r'', L r'').
+    Row 3 i + j is for the force conjugate to vector i and its derivative with respect to vector j, where vector 0 is
+    the chord, 1 and 2 are the end slopes. First comes one column per axial point, for the force conjugate to r' = dr/ds
+    and its derivative with respect to r'. Then come four columns per bending point, for the force conjugate to r' and
+    its derivatives with respect to r' and to L r'' (L: element length), and likewise for the force conjugate to L r''.
     """
     rows = []
     for i in range(3):
@@ -67,12 +68,13 @@ _EXPANSION = _expansion()
 
 @kernel
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
-    """Compute 2 x 2 derivatives of the axial force conjugate to r' = dr/ds at one quadrature point of `lanes` elements.
+    """Compute 2 x 2 derivatives of the axial force conjugate to r' = dr/ds at a quadrature point of `lanes` elements.
 
     They go to four rows (xx, xy, yx, yy) of `stiffness`, with respect to r', and of `viscosity`, with respect to the
-    rate of r'. A row has COLUMNS elements. The twelve rows of `table` are x and y of chord, first and second end slope,
-    then their rates. `point` is (d, a, b, ..., w): r' is d * chord + a * (first slope) + b * (second slope), and w is
-    the quadrature weight. `constants`: rows of LANES values E A L, E I / L [N m] and retardation time [s].
+    rate of r'. Such a row has COLUMNS numbers, one per beam element. The twelve rows of `table` are x and y of chord,
+    first and second end slope, then their rates. `point` has seven numbers: r' is the chord times the first, plus the
+    end slopes times the next two, and the last is the quadrature weight. The three rows of `constants`, E A L [N m],
+    E I / L [N m] and retardation time [s], have LANES numbers each.
     """
     d, a, b, _, _, _, w = point
     for i in range(lanes):
@@ -172,11 +174,12 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
 
 @kernel
 def _expand(lanes, local, found):
-    """Compute force derivatives of `lanes` elements as weighted sums of force derivatives at quadrature points.
+    """Compute force derivatives of `lanes` beam elements as weighted sums of force derivatives at quadrature points.
 
-    `local` holds _POINTS 2 x 2 matrices, derivatives of forces conjugate to r' = dr/ds or L r'' with respect to r' or
-    L r'' (L: element length). Each matrix entry is a row of elements. `found` gets 36 such rows: 6 x 6 derivatives
-    of the forces conjugate to chord, first and second end slope with respect to chord and end slopes.
+    `local` holds one 2 x 2 matrix per axial point, the derivative of the force conjugate to r' = dr/ds with respect to
+    r'. Four per bending point follow: derivatives of the force conjugate to r' with respect to r' and to L r'' (L:
+    element length), then likewise of the force conjugate to L r''. A matrix has four rows of COLUMNS numbers. `found`
+    gets 36 such rows: 6 x 6 derivatives of forces conjugate to chord and end slopes with respect to these vectors.
     """
     for pair in range(9):
         weights = _EXPANSION[pair]
@@ -197,10 +200,11 @@ def _expand(lanes, local, found):
 
 @kernel
 def _scatter(elimination, matrix, k, inverse, slopes, i):
-    """Add the 6 x 6 derivatives of element `i`'s forces on chord and end slopes to the profile `matrix` of coordinates.
+    """Convert the force derivatives of element `i` to nodal coordinates, and add them to the profile matrix `matrix`.
 
-    They are column `i` of the 36 rows in `slopes`. `elimination` gives the order of unknowns in `matrix`, `k` is the
-    index of the element's first coordinate, and `inverse` is 1 / length, the factor between nodal positions and chord.
+    Column `i` of the 36 rows in `slopes` has 6 x 6 derivatives of the forces conjugate to the chord and the two end
+    slopes, with respect to these vectors. `elimination` gives each coordinate's place in `matrix`. `k` is the index of
+    the element's first coordinate, and `inverse` is 1 / length, the factor between nodal positions and chord.
     """
     inner, outer = elimination.position[k] // BLOCK, elimination.position[k + BLOCK] // BLOCK
     cross = elimination.base[outer] + inner

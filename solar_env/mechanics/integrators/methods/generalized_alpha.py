@@ -82,7 +82,7 @@ class Iteration(NamedTuple):
 
 
 def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
-    """Allocate the arrays of a generalized-alpha step, and compute the mass matrix."""
+    """Return newly allocated arrays of a generalized-alpha step, in which only the mass matrix is computed already."""
     n = state.q.size
     size = n + state.multipliers.size
     return Iteration(
@@ -285,7 +285,7 @@ def prepare(model, state, arrays):
 
 @kernel
 def engage_stops(model, state, arrays):
-    """Mark all joints' stops as engaged in `state`: each then exerts its torque wherever its angle is reached."""
+    """Mark all stops as engaged in `state`: otherwise they exert no torque, even when reached. `arrays` is unused."""
     for j in range(model.joints.size):
         state.joints[j].stop_engaged = 1
 
@@ -316,7 +316,10 @@ def choose_alpha(model, state, settings, arrays, remaining):
 
 @kernel
 def attempt_alpha(model, state, settings, arrays, h):
-    """Solve a step `h` [s]; return 0, or -1 for singular constraints, or > 1 or NaN if Newton's iteration fails."""
+    """Solve a step `h` [s]; return 0 if Newton's iteration converges, or -1 if the constraints are singular.
+
+    If the iteration fails, return its last correction divided by the tolerance, which is above 1, infinite or NaN.
+    """
     clock, trial, it, work = state.clock[0], arrays.trial[0], arrays.iteration, arrays.work
     prepare(model, state, arrays)
     copy_into(it.start_q, state.q)

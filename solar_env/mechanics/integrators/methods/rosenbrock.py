@@ -155,7 +155,9 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
 def adapt_rosenbrock(model, state, settings, arrays, accepted):
     """Update, in `state.clock`, the number of explicit steps before the next try of a linearly implicit step.
 
-    After an `accepted` step that only the stability limit has shortened, also store the step size that accuracy allows.
+    An `accepted` explicit step lowers the number by one. A rejected linearly implicit step sets it to 4, and after
+    repeated failures to 8, 16, up to 256, unless a shorter such step is still worth a try. If only the stability limit
+    has shortened an accepted explicit step, `state.clock` also gets the step size that accuracy would allow.
     """
     clock, trial = state.clock[0], arrays.trial[0]
     if accepted and settings.implicit:
@@ -163,7 +165,6 @@ def adapt_rosenbrock(model, state, settings, arrays, accepted):
         if trial.implicit:
             clock.explicit_patience = 0
         if trial.bound and not trial.last:
-            # The stability limit bounds only explicit steps: keep the size that accuracy alone would allow.
             clock.step_size = max(clock.step_size, trial.wanted * growth(_CONTROL, trial.error, 1.0))
     elif trial.implicit and clock.step_size <= _WORTH * (_STABILITY_MARGIN * model.stable_step):
         clock.explicit_patience = min(max(2 * clock.explicit_patience, 4), _LONGEST_WAIT)

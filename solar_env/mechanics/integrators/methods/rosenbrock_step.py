@@ -10,9 +10,10 @@ Eliminating all but the velocities leaves, for every stage, one system of equati
 
 [[M + gamma h C + (gamma h)^2 K, Phi_q^T], [Phi_q, 0]],
 
-where K and C are minus the derivatives of the forces by coordinates and velocities. The rows of length constraints also
-have their own derivatives. The matrix is factored once per step, in time that grows linearly with the length of the
-chain of bodies (`profile.py`). Stiff vibrations of beams do not bound the step.
+where K and C are minus the derivatives of the forces by coordinates and velocities. A rigid body's length constraint,
+differentiated twice in time, depends on both, too. Its row of the block Phi_q also has its derivatives by coordinates,
+times (gamma h)^2, and by velocities, times gamma h. The matrix is factored once per step, in time that grows linearly
+with the length of the chain of bodies (`profile.py`). Stiff vibrations of beams do not bound the step.
 """
 
 from typing import NamedTuple
@@ -82,7 +83,10 @@ class LinearStep(NamedTuple):
 
 
 def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
-    """Allocate the arrays of a linearly implicit step; fill the mass matrix. Tangents use the joint loads in `work`."""
+    """Return the arrays of a linearly implicit step, filled with zeros except for the mass matrix.
+
+    Its `newton` shares joint loads and impact speeds with `work`; the derivatives of the forces are computed from them.
+    """
     n, k = state.q.size, state.multipliers.size
     blocks = model.elimination.first.size
     return LinearStep(
@@ -156,7 +160,8 @@ def set_stage(state, stages, step, s, h):
 def solve_stage(model, state, stages, step, s, force, diagonal):
     """Solve stage `s`; write its increments of q, v, a and multipliers to row `s` of the increment arrays in `step`.
 
-    `force` (n,): forces at `step.q`, `step.v`. `diagonal`: gamma h [s]. `stages`: accelerations at the step's start.
+    `force` (n,) has the forces at `step.q` and `step.v`, and `diagonal` is gamma h [s]. `stages.acceleration[0]` holds
+    the accelerations at the step's start.
     """
     elimination, position = model.elimination, model.elimination.position
     n, rows = state.q.size, model.constraints.size.size
@@ -198,9 +203,9 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
 def border_length(state, start_a, step, k, row, position, diagonal):
     """Enter a rigid body's length constraint in `step.unknowns`, the right-hand side of a stage's linear equations.
 
-    The constraint keeps the distance of the body's two base points. Its equation's right-hand side is written to its
-    multiplier's entry. The entries of the base points' coordinates get the constraint force due to the change of the
-    constraint's gradient since the step's start; Newton's matrix has the force along the gradient at the start.
+    The constraint keeps the distance of the body's two base points. The right-hand side of its own equation is written
+    to the entry of its multiplier. The equations' matrix takes the constraint force along the gradient at the step's
+    start. The force due to the gradient's change since then is added to the entries of the base points' coordinates.
     `start_a` (n,): accelerations at the step's start. `k`: index of the body's first coordinate. `row`: index of the
     constraint's multiplier. `position`: places of the unknowns in the elimination order. `diagonal`: gamma h.
     """
@@ -259,8 +264,9 @@ def estimate_error(model, state, stages, step, settings):
 def attempt_implicit(model, state, stages, step, work, settings, h):
     """Try a linearly implicit step `h` [s] from `state`; return error / tolerance, negative for singular constraints.
 
-    `stages` gets q, v and multipliers at the end, and in its last rows accelerations and rates (`power`) of work,
-    losses and impulses; `stages.gain` gets the integrals of these rates. `step` and `work` are work arrays.
+    `stages.q`, `stages.v` and `stages.multipliers` get the values at the step's end. The accelerations there are
+    written to the last row of `stages.acceleration`, and the rates of works, losses and impulses to the last row of
+    `stages.power`. `stages.gain` gets the integrals of these rates over the step. `step` and `work` are work arrays.
     """
     time = state.clock[0].time
     diagonal = GAMMA * h

@@ -100,7 +100,11 @@ def make_stiff_forces(state: State) -> StiffForces:
 
 @kernel
 def restore_ends(v0, stages, stiff):
-    """Undo the stiff forces' correction at both ends in `stages`, with start velocities `v0` and copies in `stiff`."""
+    """Restore the values in `stages` that corrections for stiff forces have changed at the start and end of a step.
+
+    Start velocities are copied from `v0` (n,). Accelerations and powers at both ends are copied from `stiff`, where
+    they were saved before the corrections. The number of stiff forces, `stiff.active[0]`, is set to 0.
+    """
     velocity, acceleration, power = stages.velocity, stages.acceleration, stages.power
     copy_into(velocity[0], v0)
     copy_into(acceleration[0], stiff.start)
@@ -158,7 +162,11 @@ def take_stages(model, state, arrays, h):
 
 @kernel
 def contact_error(model, arrays, stiff, h):
-    """Return the greatest depth error of lasting contacts in `stiff`, divided by the tolerance _DEPTH_ERROR * depth."""
+    """Return the greatest error of a lasting contact's depth in a step `h` [s], divided by its tolerance.
+
+    `stiff` lists the contacts: their impacts are over, and they are treated linearly implicitly. The error is estimated
+    from the stage velocities in `arrays`; the tolerance is 1 % of the greater depth at the step's two ends.
+    """
     worst, stages = 0.0, arrays.stages
     for c in range(stiff.active[0]):
         if stiff.stiffness[c] > 0.0:

@@ -54,7 +54,7 @@ def take_loads(loads, motion):
 
 @kernel(inlined=False)
 def begin_stages(model, state, settings, arrays):
-    """Prepare arrays for a call of `advance`; recompute outdated accelerations (False for singular constraints)."""
+    """Prepare `arrays` and accelerations in `state` for `advance`; return False if the constraints are singular."""
     work, stages, clock = arrays.work, arrays.stages, state.clock[0]
     # Stages that are not computed yet enter with weight zero, but zero times NaN would be NaN.
     for array in (stages.velocity, stages.acceleration, stages.power):
@@ -81,7 +81,10 @@ def begin_stages(model, state, settings, arrays):
 
 @kernel
 def depth_in_stages(model, state, arrays, j, h, share):
-    """Return joint `j`'s penetration [m] at a fraction `share` of a step `h` [s], interpolated between its ends."""
+    """Return joint `j`'s penetration [m] at a fraction `share` of a step `h` [s].
+
+    It is interpolated between `state`, at the step's start, and the step's end in `arrays.stages`.
+    """
     if share == 0.0:
         return arrays.motion[j].depth
     return hermite_depth(model.joints[j], model.markers, state, arrays.stages, h, share)
@@ -132,8 +135,7 @@ def refine_peaks(model, state, arrays, h, share):
     """Raise force maxima in `state.joints` to the force peaks in the accepted fraction `share` of a step `h` [s].
 
     A contact has a peak if its penetration has turned from growing to falling. Lasting contacts are left out in steps
-    that are linearly implicit, or explicit with stiff contacts treated implicitly (`stiff_forces.py`). The interpolants
-    of these steps (`arrays.stages`) have false depths, and forces up to a thousand times the real forces.
+    that are linearly implicit, or treat contacts implicitly: interpolation gives forces up to 1000 times too large.
     """
     coarse, stages = arrays.trial[0].implicit or arrays.trial[0].stiff_contacts, arrays.stages
     for j in range(model.joints.size):
@@ -201,7 +203,7 @@ def resume_stages(model, state, arrays):
 
 @kernel
 def open_contact(model, state, arrays, j):
-    """Return joint `j`'s inverse effective mass [1/kg] along its line of centres at `state`; only scratch changes."""
+    """Return the inverse effective mass [1/kg] of joint `j`'s new contact along its line of centres, at `state`."""
     scratch, joint = arrays.scratch, model.joints[j]
     scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, model.markers, state.q)
     return normal_inverse_mass(model, state.q, state.v, j, scratch)
@@ -209,7 +211,11 @@ def open_contact(model, state, arrays, j):
 
 @kernel
 def contact_arcs(model, state, arrays, j):
-    """Return two pairs (middle [rad], half-width 0): contact arcs on joint `j`'s journal and bearing, here points."""
+    """Return the arcs (middle, half-width) [rad] along which contact has moved on joint `j`'s journal and bearing.
+
+    Here an arc is only the present point of contact: its middle is the point's angle relative to the body, and its
+    half-width is 0. The line of centres is read from the work `arrays`.
+    """
     joint, markers, loads = model.joints[j], model.markers, arrays.work.loads
     ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
     journal = vector_angle(markers[joint.outboard], state.q, ex, ey)

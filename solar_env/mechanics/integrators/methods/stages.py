@@ -66,7 +66,11 @@ def set_impact_speeds(joint_states, impact_speeds):
 
 @kernel(inlined=False)
 def refresh(model, state, stages, work):
-    """Write accelerations and rates of integrals to `state` and row 0 of `stages`; False for singular constraints."""
+    """Compute the accelerations at `state`, and the rates of all works, losses and impulses.
+
+    Write them to `state.a` and `state.power`, and to the first rows of `stages.acceleration` and `stages.power`.
+    `work` is overwritten. Return False if the constraints are singular.
+    """
     set_impact_speeds(state.joints, work.impact_speeds)
     clock = state.clock[0]
     regular = accelerations(
@@ -153,7 +157,7 @@ def interpolate_without_accelerations(state, stages, h, share):
 
 @kernel
 def hermite_integrals(state, stages, h, share):
-    """Interpolate work, losses, impulses since the run's start at fraction `share` of a step, in `stages.integrals`."""
+    """Write works, losses and impulses, interpolated at fraction `share` of a step `h` [s], to `stages.integrals`."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
     _, start, whole, end = cubic_weights(share)
     for k in range(integrals.size):

@@ -5,16 +5,17 @@ that rests in its bearing could vibrate on the contact's stiffness within millis
 resolve these times even if nothing moves. However, the stiff part A of the Jacobian of y' = f(y), y = (q, v), is known.
 Let g be the gradient of the stop's angle or of the contact's depth, and w the accelerations due to a unit force and the
 friction that it causes. The stiffness is k, the damping c. If y changes by (dq, dv), A changes v' by
--w (k g.dq + c g.dv). In a contact, A also changes q', by the part of dv along g. A W-method (T. Steihaug and
-A. Wolfbrandt, Math. Comput. 33 (1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
+-w (k g.dq + c g.dv). In a contact A also changes q' = v, but only by the part of dv that changes the depth, because
+other motions are not stiff. A W-method (T. Steihaug and A. Wolfbrandt, Math. Comput. 33 (1979) 521,
+doi:10.1090/S0025-5718-1979-0521273-8) includes A in the stages,
 
 k_i = f(y + h sum_j alpha_ij k_j) + h A sum_j gamma_ij k_j + h gamma_i r,
 
 which needs a system of equations in every stage, with each stiff force's rate of change as an unknown. With A = 0 the
 method is the Runge-Kutta method itself. Contacts need the last term (E. Hairer and G. Wanner, Solving Ordinary
-Differential Equations II, 1996, section IV.7, doi:10.1007/978-3-642-05221-7), because A leaves out that the force
-on a contact changes with the motion of all bodies. In this term r is the rate of change of f without A's part, and
-gamma_i is the sum of gamma_ij over j.
+Differential Equations II, 1996, section IV.7, doi:10.1007/978-3-642-05221-7): A has only the changes of the stiff
+forces, but the load that a contact carries also changes with all other forces. In this term r is the rate of change of
+f without A's part, and gamma_i is the sum of gamma_ij over j.
 """
 
 import numpy as np
@@ -163,7 +164,12 @@ def collect(model, state, work, stiff, h):
 
 @kernel
 def separate_motions(stiff, count):
-    """Write the dual basis of the depth gradients `stiff.gradient[:count]` to `stiff.motion`; False if dependent."""
+    """Compute velocities at which one contact's depth changes at unit rate, and the other contacts' depths do not.
+
+    `stiff` lists `count` lasting contacts. Row k of `stiff.motion` gets the velocities for contact k: a combination of
+    the rows of `stiff.response`, whose products with the depths' gradients form `stiff.matrix`. This matrix is replaced
+    by its factors. Return False if it is singular.
+    """
     if not lu_factor(stiff.matrix, count):
         return False
     for k in range(count):
@@ -231,7 +237,11 @@ def begin_step(model, state, work, stiff, start, h):
 
 @kernel
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
-    """Add linearly implicit terms for forces in `stiff` to row `stage` of `velocity`, `acceleration` and `power`."""
+    """Add the W-method's implicit terms, for the forces that `stiff` lists, to stage `stage` of a step `h` [s].
+
+    They are added to row `stage` of `velocity` and `acceleration` (stages, n). In the same row of `power` (stages,
+    integrals), the rates of loss, sliding work and impulse of the affected joints follow the corrected forces.
+    """
     count = stiff.active[0]
     force_rate, right, a = stiff.force_rate, stiff.force_rate[stage], acceleration[stage]
     share = DIAGONAL

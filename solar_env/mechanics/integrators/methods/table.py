@@ -1,7 +1,8 @@
 """Table of the integration methods; the run loop, the batches, the warm-up and the tests read it.
 
 A method is one module with its settings, its work arrays and its kernels. At compile time the type of the settings
-selects the kernels that a run calls: `attempt_of(settings)(...)`. The formulation determines the arrays of a run.
+selects the kernels that a run calls: `attempt_of(settings)`, for example, is the kernel that tries a step. A method
+also names its formulation of the equations of motion, which determines the arrays of the model and its state.
 """
 
 from collections.abc import Callable
@@ -21,7 +22,6 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.step_size import StepController
 
 Chosen = Any  # an instance of a settings class in `settings.py`
-# How steps end at events: not at all, at an interpolated fraction of the step, or by solving a shorter step.
 NOT_AT_ALL, AT_SHARE, BY_SOLVING_AGAIN = range(3)
 
 
@@ -52,15 +52,14 @@ class Kernels:
         begin: prepares the arrays for a call, fills `motion`, sets a first step size; False for singular constraints.
         choose: returns the step to try [s] by accuracy, impacts and settings; `remaining` is the time left in the call.
         attempt: tries a step without changing the accepted state; returns the error divided by the tolerance, negative
-            if constraints are singular. It may set in `trial` the step to try after a rejection. The run loop derives
-            no step size from the error of a shortened step.
+            if constraints are singular. It may set in `trial` the step to try after a rejection. After a step that was
+            shortened to end at an event, the next step's size follows from the error of the step's first try.
         complete: computes the quantities that samples and acceptance need and the attempt has not computed.
         sample: records a sample at a fraction of the step.
         commit: moves the state to a fraction of the step, stores depths and rates in `motion`; False if singular.
         evaluate: fills the rest of `motion` at the accepted state; `changed` tells if an event has changed the forces.
         open_contact: returns a joint's inverse effective mass [1/kg] at the start of contact.
-        contact_arcs: returns the arcs along which the line of centres has moved in the frames of journal and bearing,
-            as (middle, half-width) [rad] each.
+        contact_arcs: returns the arcs (middle, half-width) [rad] along which contact moved on journal and bearing.
         depth, angle: return the penetration [m] and the angle [rad] of a joint at a fraction of the step.
         landing: how steps end at events: NOT_AT_ALL, AT_SHARE (by interpolation) or BY_SOLVING_AGAIN (a shorter step).
         control: controller of the step size, without effect on a fixed step.
@@ -89,21 +88,12 @@ class Kernels:
 
 @dataclass(frozen=True)
 class Method:
-    """An integration method, as an entry of the table `METHODS`.
+    """An integration method, as an entry of the table `METHODS`."""
 
-    Attributes:
-        order: order of convergence for smooth motion.
-        kernel_settings: type of the settings that the kernels take; the type selects the kernels at compile time.
-        convert: converts the settings that a user has chosen to `kernel_settings`.
-        arrays: allocates the work arrays of a thread for a mechanism's model and state.
-        kernels: kernels that make a step.
-        formulation: formulation of the equations of motion.
-    """
-
-    order: int
-    kernel_settings: type
-    convert: Callable
-    arrays: Callable
+    order: int  # order of convergence for smooth motion
+    kernel_settings: type  # type of the settings that the kernels take; it selects the kernels at compile time
+    convert: Callable  # converts the settings that a user has chosen to `kernel_settings`
+    arrays: Callable  # allocates the work arrays of a thread for a mechanism's model and state
     kernels: Kernels
     formulation: Formulation = ABSOLUTE
 
@@ -201,7 +191,7 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable) -> Callable:
-    """Return a function that maps a method's settings to `pick(kernels)` with the method's kernels, at compile time."""
+    """Return a function that takes a method's settings and returns `pick(kernels)` for this method's `Kernels`."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 

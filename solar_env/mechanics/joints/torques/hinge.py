@@ -12,25 +12,18 @@ from solar_env.mechanics.numerics.vectors import sum_lanes
 
 
 class HingeTorques(NamedTuple):
-    """Torques on a joint's angle, without the torques of cable loops.
-
-    Attributes:
-        spring, harness, latch, damping, friction, motor: torques [N m]; `latch` is the torque of all stops.
-        latch_elastic: elastic part of `latch` [N m], which stores energy.
-        by_angle, by_rate: slopes of the summed torques by angle [N m/rad] and by rate [N m s/rad].
-        latch_by_rate: part of `by_rate` that belongs to `latch`.
-    """
+    """Torques [N m] on a joint's angle, without the torques of cable loops, and slopes of the torques."""
 
     spring: float
     harness: float
-    latch: float
+    latch: float  # of all stops
     damping: float
     friction: float
     motor: float
-    latch_elastic: float
-    by_angle: float
-    by_rate: float
-    latch_by_rate: float
+    latch_elastic: float  # elastic part of `latch`, which stores energy
+    by_angle: float  # slope of the summed torques by angle [N m/rad]
+    by_rate: float  # slope of the summed torques by rate [N m s/rad]
+    latch_by_rate: float  # part of `by_rate` that belongs to `latch`
 
 
 @kernel
@@ -130,7 +123,8 @@ def add_cable_power(cable, torque, rate, weight, out):
     The loop exerts `torque` [N m] on the outer joint, and -(torque ratio) * `torque` on the inner joint. It stores
     energy in the mismatch of the wheels' angles: wheel ratio * inner angle, minus outer angle. The supplied power is
     the power of both torques plus the rate of this energy: (wheel ratio - torque ratio) * `torque` * `rate`; `rate`
-    [rad/s] is the inner wheel's. `weight` is 1, or a duration [s] for a work. Elements of vectors are summed.
+    [rad/s] is the inner wheel's. `weight` is 1, or a duration [s] for a work. If `torque`, `rate` and `weight` are
+    vectors over the stages of a step, the products are summed over the stages.
     """
     power = torque * (cable.wheel_ratio - cable.torque_ratio) * rate
     out[m.INTEGRALS_PER_JOINT * cable.joint_a + m.CABLE_WORK] += sum_lanes(weight * power)
@@ -138,7 +132,7 @@ def add_cable_power(cable, torque, rate, weight, out):
 
 @kernel
 def add_torque_energies(joint, joint_state, angle, energies):
-    """Add the energies [J] of a joint's springs, harness and stops at `angle` [rad] to their entries of `energies`."""
+    """Add a joint's energies [J] at `angle` [rad] to entries SPRING, HARNESS and LATCH (all stops) of `energies`."""
     stretch = joint.spring_preload_angle - angle
     energies[m.SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
     if joint.spring_points > 0:

@@ -122,7 +122,10 @@ def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, o
 
 
 def _plain(value: object) -> object:
-    """Convert, for JSON, an `Estimate` to a dictionary (no interval below `FEWEST` values), and NaN to None."""
+    """Convert a value for JSON: an `Estimate` to a dictionary, and NaN to None.
+
+    The ends of an estimate's confidence interval become None if the estimate rests on fewer than `FEWEST` values.
+    """
     if isinstance(value, Estimate):
         few = dict.fromkeys(("lower", "upper"), math.nan) if value.count < FEWEST else {}
         return {key: _plain(v) for key, v in (asdict(value) | few).items()}

@@ -58,7 +58,7 @@ class WorkerOptions(QuietOption):
 
 @dataclasses.dataclass
 class ArrayOption:
-    """Option that names the array for a command."""
+    """Option that selects the solar array for a command: a preset's name, or the path of a parameter file."""
 
     array: Annotated[str, tyro.conf.Positional] = "default"
     """default or paper: the array of Li, Wang and Huang (2019), with our choices or the paper's; cubesat-6u, apple (two

@@ -24,8 +24,9 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
     model: str | None = None
     """level of the model, by default flexible-clearance, of 6 elements where panels have fittings; solar-env ladder
     --ask tells of others"""
-    runs: int = 16
-    """deployments at each of the two levels, without those for sensitivities; 0 prints motorization and frequencies"""
+    runs: int | None = None
+    """deployments at each of the two levels, without those for sensitivities; by default 16, or more if the effects of
+    many tolerances take more; 0 prints motorization and frequencies"""
     window: float = 10.0
     """time simulated after the last latching [s]"""
     deadline: float = 60.0
@@ -48,17 +49,19 @@ def run_command(args: Args) -> int:
     from solar_env.studies.loads.page import loads_page
     from solar_env.studies.loads.report import answer, tables, what_changes
     from solar_env.studies.loads.runs import deploy
+    from solar_env.studies.loads.sensitivity import fewest_runs
     from solar_env.studies.loads.statics import statics
     from solar_env.support.versions import versions
 
     array = args.parameter_file
-    if args.runs < 0:
-        raise ValueError(f"runs = {args.runs} must be at least 0")
-    if args.runs == 0:
+    runs = args.runs if args.runs is not None else max(LoadsPlan.members, fewest_runs(array.randomize))
+    if runs < 0:
+        raise ValueError(f"runs = {runs} must be at least 0")
+    if runs == 0:
         for line in statics(array, args.factors):
             wide_console().print(line, highlight=False)
         return 0
-    plan, workers = LoadsPlan(array, args.model, args.runs, args.window, args.deadline), args.workers
+    plan, workers = LoadsPlan(array, args.model, runs, args.window, args.deadline), args.workers
     for level in plan.levels:
         build(array.parameters, level.model)  # refuses wrong input before anything is compiled
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):

@@ -90,10 +90,11 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         3.2 - log10(1 + F / 1 N) - 2 log10(1 + W / 1 mJ) - 0.01 t - 2 max(0, t - 19.5),
 
-    where F is the peak force and W the sliding work: a tenfold F costs 1, a tenfold W costs 2. The term `opening` earns
-    the 3.2 step by step. If a joint is still open at 40 s, t is 40, and a further 12 to 24 is charged, according to
-    the joints' mean distance to the lock. This exceeds the greatest cost of F and W together, which is 10; a changed
-    `reward` without such an excess is refused.
+    where F is the peak force and W the sliding work: a tenfold F costs 1, a tenfold W costs 2. Time costs more from
+    one control period before the deadline on, here from 19.5 s. The term `opening` earns the 3.2 step by step. If a
+    joint is still open at 40 s, t is 40, and a further 12 to 24 is charged, according to the joints' mean distance to
+    the lock. This exceeds the greatest cost of F and W together, which is 10; a changed `reward` without such an
+    excess is refused.
 
     With rigid panels the springs alone return -4.0. The best constant action, 0, returns -2.4. PPO of Stable-Baselines3
     with its defaults returns -0.6 to -0.1 after 100,000 steps, and 0.7 to 1.0 after a search over the last layer of its

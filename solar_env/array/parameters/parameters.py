@@ -70,7 +70,8 @@ class ArrayParameters:
         release_after: number of the joint, from 1 at the root, from whose latching the release_time is counted, by
             joint; 0 counts the release_time from t = 0.
         spring_stiffness: stiffness of the torsion springs, by joint [N m/rad].
-        spring_preload_angle: angle at which a spring is relaxed, by joint, at most a turn [rad].
+        spring_preload_angle: angle at which a spring is relaxed, by joint, at most a turn [rad]; at the latch, the
+            torque of the spring is spring_stiffness * (spring_preload_angle - lock_angle).
         spring_torque: table of a torque by joint angle that adds to the torsion spring: pairs (angle [rad],
             torque [N m]); one table for all joints, or one table per joint; opening torques are positive.
         harness_torque: table of a wire harness's torque by joint angle [N m], in the form of spring_torque.

@@ -67,7 +67,10 @@ PICTURES = {
 
 
 def run(args: Args) -> int:
-    """Draw a deployment, failures at fixed time steps, and a design."""
+    """Draw a deployment, a map of failing time steps, a design study.
+
+    The map shows fixed step sizes at which generalized-alpha fails. The design study varies the damping of hinges.
+    """
     folder, _ = args.folders("figures")
     paths = {place if args.readme else folder / place.name: draw for place, draw in PICTURES.items()}
     with counting_bar(args.console) as bar:

@@ -36,7 +36,10 @@ def run(args: Args) -> int:
 
 
 def _walk_parameters(args: Args, folder: Path) -> int:
-    """Vary each array parameter, tabulate runs in `folder`; return 1 if an energy error gave no warning, else 0."""
+    """Simulate deployments with one array parameter at a time varied, and tabulate the outcomes in `folder`.
+
+    Return the exit status: 1 if a run violates the energy balance without an error or a warning, otherwise 0.
+    """
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability import parameter_ranges as ranges
 

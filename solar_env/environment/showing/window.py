@@ -42,7 +42,8 @@ class Window:
 
     def __init__(self, rate: float) -> None:
         if importlib.util.find_spec("pygame") is None:
-            raise gymnasium.error.DependencyNotInstalled("the window needs pygame: pip install -e '.[play]'")
+            remedy = "pip install -e '.[play]', or give check_env skip_render_check=True"
+            raise gymnasium.error.DependencyNotInstalled(f"the window needs pygame: {remedy}")
         open_display()  # raises its error before kernels are compiled
         self._rate = rate
         self._surface: Any = None

@@ -151,7 +151,7 @@ def _observable(name: str) -> tuple[Observable | Feature, int]:
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
     stem, age = (past[1], int(past[2])) if past else (name, 0)
     if (of_joint := re.fullmatch(r"(\w+)_\d+", str(stem))) and of_joint[1] in _BY_NAME:
-        raise ValueError(f"the observable {name!r} has no number: {of_joint[1]!r} observes all joints or motors")
+        raise ValueError(f"the observable {name!r}: leave out the number, {of_joint[1]!r} observes all joints")
     check_name("the observable", stem, _BY_NAME)
     if age > GREATEST_AGE:
         raise ValueError(f"{name!r} is {age} control periods old; observe at most {GREATEST_AGE} periods back")
@@ -163,7 +163,10 @@ channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 
 
 def measured_for(entry: Entry) -> tuple[Observable, int]:
-    """Return the `Observable` that an entry shows, or from which its `Feature` is computed, and `entry.joint`."""
+    """Return the `Observable` that an entry of the observation vector shows, and the index of its joint or motor.
+
+    For an entry that shows a `Feature`, return the `Observable` from which this feature is computed.
+    """
     of = entry.observable
     name = of.source if isinstance(of, Feature) else of.name
     return next(row for row in OBSERVABLES if row.name == name), entry.joint

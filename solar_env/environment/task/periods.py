@@ -42,10 +42,10 @@ class Periods(NamedTuple):
 
 
 def error_count(task: TaskNumbers) -> int:
-    """Return the greatest number of sampling intervals of the drives in an environment step, equal for all drives.
+    """Return the greatest number of the drives' sampling intervals in a step of the environment.
 
-    Each interval has a random error of every motor's measured rate. If the drives bring the array to rest, the step of
-    the last latching includes the settling window. Its first and last intervals may be partial, but count.
+    All drives sample together; every measured rate has one random error in each interval. If the drives bring the array
+    to rest, the step of the last latching includes the settling window, whose first and last interval may be short.
     """
     period = float(task.sample_period)
     return round(task.control_period / period) + (

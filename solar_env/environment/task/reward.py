@@ -91,7 +91,7 @@ class RewardTerm(NamedTuple):
 
 
 _PRELATCH, _POSTLOCK = "up to the first latching", "from the first latching"
-_WHOLE, _DEADLINE = "whole episode", "at the deadline"
+_WHOLE, _DEADLINE = "whole episode", "at the end of the episode"
 _MISSED = "1 and the mean distance to the lock, in lock angles, if a joint is open"
 _WORK = "sliding work, summed over joints"
 REWARD_TERMS = (
@@ -105,7 +105,7 @@ REWARD_TERMS = (
     RewardTerm("motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, 0.5),
     RewardTerm("prelatch_peak", "peak forces, summed over joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, 500.0),
     RewardTerm("time", "time", "up to the last latching", "s", TIME, LATEST, 20.0),
-    RewardTerm("lateness", "time", "later than a period before the deadline, up to then", "s", LATENESS, LATEST, 1.0),
+    RewardTerm("lateness", "time", "from a control period before the deadline on", "s", LATENESS, LATEST, 1.0),
     # All deployments earn the same amount, but step by step: an agent paid only at the end learns nothing before.
     RewardTerm("opening", "mean opening, in lock angles, which is earned", _WHOLE, "-", OPENING, GREATEST, 1.0, -1),
 )

@@ -72,7 +72,7 @@ class Task:
     def samples(self, hardware: Hardware) -> int:
         """Return the number of drive samples in a control period at `hardware.rate_loop_frequency`; 1 without a loop.
 
-        The finer sampling of light panels (`drive.refinement`) is left out. A fraction of a sample raises a ValueError.
+        Samples that `drive.refinement` adds for low inertia do not count. A fractional number raises a ValueError.
         """
         if not self.has_loop:
             return 1

@@ -66,9 +66,11 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
 
 @kernel
 def local_map(joint, markers, q, v, index, b, rate_slope):
-    """Compute dx/dq in `b` and dx'/dq in `rate_slope`, both (4, 8), for a joint's local coordinates x.
+    """Write derivatives dx/dq to `b` and dx'/dq to `rate_slope`, both (4, 8), for a joint's local coordinates x.
 
-    x: eccentricity x and y, outboard and inboard angle. `index` (8,) gets the indices of the joint's coordinates in q.
+    The joint's two markers are points with a direction, on its outboard and on its inboard body. x has the difference
+    of their positions [m], outboard minus inboard, then the outboard and the inboard marker's direction angle [rad].
+    `markers` are the records of all markers. `index` (8,) gets the indices in q of the two markers' coordinates.
     """
     b[:] = 0.0
     rate_slope[:] = 0.0

@@ -114,11 +114,12 @@ def is_passed(model, state, settings, arrays, j, kind, h, sign):
 
 @kernel
 def place_of_event(model, state, settings, arrays, h, joint, kind):
-    """Return where the step `h` [s] must end: (fraction of it, joint, event kind, whether to solve to there again).
+    """Return where a solved step `h` [s] must end: (fraction of the step, joint, event kind, whether to solve again).
 
-    If the step has been cut before, to end at an event, `joint` and `kind` are this event; otherwise they are unused.
-    All joints are checked again after every cut, because the shorter step's solution differs slightly. The fraction is
-    1 if the step ends unchanged. Fraction * h is at most SMALLEST_PART [s] if the event is at the step's start.
+    Joint and kind name the event at which the step ends; without an event, the fraction is 1 and the kind NO_EVENT. If
+    the last member is True, the caller must solve a step of the size fraction * h, and call again, because the shorter
+    step's motion differs slightly; the arguments `joint` and `kind` are then this event. In the first call they are
+    unused. `arrays` hold the step's motion. Fraction * h is at most SMALLEST_PART [s] for an event at the step's start.
     """
     cuts = arrays.trial[0].cuts
     share, other, found = first_event(model, state, settings, arrays, h)

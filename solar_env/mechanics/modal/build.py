@@ -59,13 +59,14 @@ def design(panel: ModalPanel) -> _Design:
 
 
 def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
-    """Rearrange the matrices K (`project`) and S (`ends`) of `quadratic_forms` as an array (2, LOW, LOW, FORMS).
+    """Rearrange the quadratic forms of a panel's shortening by bending as an array (2, 4, 4, 5), filled up with zeros.
 
-    Rows belong to bending coordinates: `coupled` mode amplitudes, then end motion due to others. Axes of the result:
-    first coordinate's group (even or odd about the panel's middle), its index in the group, second coordinate's index
-    in its own group, form. Forms 0 to 2 are K of both odd axial modes and half the difference of the ends' S, with
-    coordinates in one group. Forms 3 and 4 are K of the even axial mode and half the sum of S, with coordinates in
-    both.
+    The shortening has the amplitude b^T K b / 2 in an axial mode, and the remainder b^T S b / 2 at an end of the panel.
+    `project` has a matrix K for each axial mode, `ends` a matrix S for each end. The coordinates b are the amplitudes
+    of the `coupled` lowest bending modes, then the first end's deflection and slope due to higher even modes, and the
+    same due to higher odd modes. Element [g, i, k, f] of the result belongs to form f, coordinate i of group g (0 even,
+    1 odd bending), and coordinate k of the same group (f = 0 to 2) or of the other group (f = 3, 4). Forms 0 and 1 are
+    K of the odd axial modes, form 3 is K of the even one. Form 2 is half the difference of both S, form 4 half the sum.
     """
     forms = np.zeros((2, LOW, LOW, FORMS))
     # The lowest bending modes are even and odd by turns; then come the end values of the other modes.
@@ -133,11 +134,7 @@ def compile_panels(designs: tuple[_Design, ...], exact: float) -> tuple[Panels, 
 
 
 def rigid_stand_in(body: AnyBody) -> Body:
-    """Return a rigid body with the mass, position and motion of a given body.
-
-    Raises:
-        ValueError: if the body is neither rigid nor a modal panel.
-    """
+    """Return a rigid body with the mass and motion of a rigid body or modal panel; other kinds raise a ValueError."""
     if isinstance(body, Body):
         return body
     if isinstance(body, ModalPanel):

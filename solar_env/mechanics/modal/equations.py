@@ -45,11 +45,12 @@ def enter_piece(load, piece):
 
 @kernel
 def torque_laws(model, state, work):
-    """Write the torques of joints, and the torques and pulls of cable loops, at a step's stages to `work.loads`.
+    """Evaluate the laws of joint torques, and of torques and pulls of cable loops, at a step's stages.
 
-    A pull is a loop's force between its wheels' centres. Also write derivatives by the motion on which the load works
-    (`by_value`), such as the joint angle, and by this motion's rate (`by_rate`). Return a vector: for each stage, the
-    number of unknown joint torques on another branch (smooth part) than at the previous call.
+    A pull is a loop's force between its wheels' centres. A load's record in `work.loads` gets its law's value (`law`),
+    and derivatives by the motion on which the load does work, such as the joint angle, and by this motion's rate.
+    Return a vector: for each stage, the number of joint torques that have moved to another smooth part of their law
+    since the last call. Only torques that Newton's method solves for are counted.
     """
     changed = splat4(0.0)
     for j in range(model.joints.size):

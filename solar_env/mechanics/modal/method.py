@@ -168,7 +168,10 @@ def angle_of_modal(model, state, work, j, h, share):
 
 @kernel
 def along(state, work, j, value, rate, h, share):
-    """Return column `value` of `state.motion[j]`, whose rate is column `rate`, at fraction `share` of a step `h`."""
+    """Return a quantity of joint `j`'s motion at fraction `share` of a step `h` [s], from a cubic that fits both ends.
+
+    Columns `value` and `rate` of the motion have the quantity and its rate, at the start in `state`, the end in `work`.
+    """
     start, end = state.motion[j], work.joints[j].motion
     return cubic(share, start[value], h * start[rate], end[value, LAST], h * end[rate, LAST])
 

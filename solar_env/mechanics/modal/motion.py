@@ -221,7 +221,10 @@ def stage_frames(model, state, work, h):
 
 @kernel
 def move_attachments(model, work):
-    """Write positions, directions and rates of the joints' points on bodies at the stages to `work.attachments`."""
+    """Write the motion of the joints' points on bodies, at the stages of a time step, to `work.attachments`.
+
+    A point's record gets its position and velocity, and the angle and angular velocity of the body at this point.
+    """
     for number in range(model.attachments.size):
         attachment, scratch = model.attachments[number], work.attachments[number]
         body, panel = work.bodies[attachment.body], model.bodies[attachment.body].panel

@@ -252,11 +252,12 @@ def factor_matrix(state, work, n, h, renewed):
 
 @kernel
 def correct_loads(model, state, work, n, h, renewed):
-    """Correct the loads of a step `h` [s] in `work.loads` by one Newton iteration; return the corrections' sizes.
+    """Correct the loads at the stages of a step `h` [s], in `work.loads`, by one iteration of Newton's method.
 
-    The matrix is new if `renewed`, or if a load's law changed branch (smooth part). Torques that depend weakly on the
-    motion are not among the `n` unknowns: they take their laws' values. Return the greatest change of an unknown and of
-    such a torque, divided by their tolerances: two infinities if the matrix is singular or a change not finite.
+    If `renewed`, or if a load has moved to another smooth part of its law, Newton's matrix is first computed anew.
+    Torques that depend weakly on the motion are not among the `n` unknowns, and take their laws' values. Return two
+    numbers: the greatest change of an unknown, and the greatest change of another torque, each divided by its load's
+    tolerance. Both are infinite if the matrix is singular or a change is not finite.
     """
     size = apart = total = splat4(0.0)
     changed = greatest_lane(torque_laws(model, state, work) + contact_laws(model, state, work, n))
@@ -301,7 +302,7 @@ def furthest_off(model, work, n):
 def solve_step(model, state, work, settings, tables, level, h):
     """Solve for the joint and cable loads at the stages of a step `h` [s] in `work.loads`; return False on failure.
 
-    `tables` hold, at index `level`, the panel modes' responses to this step.
+    `tables` hold, at the index `level` of this step size, the panel modes' motion per unit start value and unit load.
     """
     for b in range(model.bodies.size):
         body = model.bodies[b]

@@ -343,10 +343,12 @@ def side(end):
 def add_mode(shapes, frequency, answer, group, k, responses):
     """Add mode `k` to the motion of a panel's first end per unit load there, in the record `responses`.
 
-    `responses.response[group, i, j]` (24,) is the motion of end value i due to load j on modes of kind `group` (bending
-    even or odd, axial even or odd). It gets the mode's motion per unit modal load, from `answer`, times its end values
-    `shapes[i, k]` and `shapes[j, k]`. If `answer.defect` has errors of its vibration, `responses.unresolved` counts it.
-    A constant load deflects it by load / `frequency`^2 without vibration: `responses.held` corrects the errors for it.
+    `group` is the mode's kind: even or odd, bending or axial. `shapes[:, k]` are its end values, deflection and slope
+    or axial displacement. `answer` has its motion in a step per unit modal load, and errors of its free vibration at
+    the step's end, which vanish if the step resolves the vibration. `responses.response[group, i, j]` (24,), the motion
+    of end value i due to load j, gets this motion times `shapes[i, k]` and `shapes[j, k]`. `responses.unresolved` has
+    the number of modes with errors. A constant load holds a deflection, load / `frequency`^2, which does not vibrate.
+    The errors of end value 0 from this start value, per unit load j, are subtracted from `responses.held[:, group, j]`.
     """
     for i in range(values_of(group)):
         for j in range(values_of(group)):
@@ -384,7 +386,11 @@ def join_groups(responses):
 
 @kernel
 def keep_answer(tables, d, level, k, answer):
-    """Copy mode `k`'s response `answer` to `tables`, at the indices `d` of panel design and `level` of step size."""
+    """Copy mode `k`'s motion in a time step to `tables`, at the indices `d` of panel design and `level` of step size.
+
+    `answer` is the record of the motion, filled by `fill_answer`. `tables.free` gets the motion at the three stages,
+    and its errors, per unit start value and rate. `tables.ends` gets the end's motion, also per unit load at a stage.
+    """
     coefficients = answer.coefficient
     for c in range(2 * COLUMNS):
         tables.free[d, level, k, c] = coefficients[c]

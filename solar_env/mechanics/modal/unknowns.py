@@ -61,10 +61,10 @@ _APART = 5e-4  # s, step below which Newton's matrix leaves out the effect of a 
 
 @kernel
 def effect_of_torque(model, tables, level, h, j):
-    """Return upper bounds of the angle [rad] and velocity [m/s] that a constant unit torque on joint `j` causes.
+    """Return upper bounds of the rotation [rad] and velocity [m/s] that a unit torque on joint `j` causes in a step.
 
-    The velocity is relative, between the joint's points on its two bodies. `tables` hold, at index `level`, the panel
-    modes' responses to the step `h` [s].
+    The torque is constant in the step `h` [s]. It changes the joint angle by the rotation, and moves the joint's points
+    on its two bodies apart at the velocity. `tables` hold, at the step size's `level`, panel motion per unit load.
     """
     joint, angle, velocity = model.joints[j], 0.0, 0.0
     for face in range(2):
@@ -279,10 +279,10 @@ def share_motion(model, work, tables, level, p, q, mutual):
 def fill_mobility(model, work, tables, level, h, n):
     """Compute the mobility of the `n` unknown loads in a step `h` [s], and write it to `work.mobility`.
 
-    Entry [p, q] is the motion on which load p does work, such as a joint angle, due to a unit of load q. It has the
-    values and rates at all stages, for a unit at the first stage only, then for units at the second and third stage.
-    Entries for loads in different diagonal blocks of Newton's matrix are not needed, and are left as they are.
-    `tables` hold, at index `level`, the panel modes' responses.
+    Entry [p, q] is the motion on which load p does work, such as a joint angle, due to a unit of load q. Its `response`
+    (24,) has eight numbers for a unit of load q at the first stage only, then for units at the second and third stage:
+    the values at the three stages, the third one repeated, then the rates alike. Entries for loads in different blocks
+    of Newton's matrix are left as they are. `tables` hold the modes' motion per unit load, at the step size's `level`.
     """
     fill_unit_loads(model, work, n)
     for k in range(STAGES):

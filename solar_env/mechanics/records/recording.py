@@ -67,9 +67,9 @@ def sample_due(recorder, time):
 
 @kernel
 def pause_due(recorder, time, joints):
-    """Return whether to pause: at the time that the caller requested, or when the contact table is nearly full.
+    """Return whether to pause: the requested time is reached, or the table of contacts might overflow in the next step.
 
-    A pause shortens no step: results are the same bits with and without it.
+    A step can end one contact of every joint; `joints` is their number. A pause changes no step and no bit of a result.
     """
     capacity = recorder.contacts.shape[0]
     return time >= recorder.pause[0] or (capacity > 0 and recorder.filled[1] + joints > capacity)

@@ -90,8 +90,7 @@ class Batch:
     def replace(self, lane: int, simulation: Simulation) -> None:
         """Replace the simulation with index `lane`; the previous simulation keeps a copy of its arrays.
 
-        Raises:
-            ValueError: if its integrator or the structure of its mechanism differs from the batch's.
+        A simulation whose integrator or mechanism's structure differs from the batch's raises a ValueError.
         """
         if simulation.integrator != self.integrator:
             raise ValueError(f"the batch integrates with {self.integrator}, not with {simulation.integrator}")
@@ -108,11 +107,7 @@ class Batch:
         self._last_steps[lane] = 0
 
     def record(self, recorder: Recorder) -> None:
-        """Record samples and contacts of a batch of one lane (simulation) in `recorder` from now on.
-
-        Raises:
-            ValueError: if the batch has more lanes, whose samples would be mixed.
-        """
+        """Record samples and contacts in `recorder` from now on; a batch of several simulations raises a ValueError."""
         if len(self.simulations) != 1:
             raise ValueError(f"a batch of {len(self.simulations)} lanes cannot be recorded; take one of a single lane")
         self.recorder = recorder
@@ -199,7 +194,7 @@ class Batch:
         self._work_expected = threads * (time.perf_counter() - start)
 
     def _arguments(self, thread: int, queue: NDArray[np.int64]) -> tuple[Any, ...]:
-        """Return the arguments of `advance_lanes` up to and including `statuses`, for a thread and a queue of lanes."""
+        """Return the first nine arguments of `advance_lanes` for a thread and a queue of simulations' indices."""
         return (
             *self.handles,
             self._settings,

@@ -14,7 +14,6 @@ class Motion:
     """Motion of a deployment for an animated page, with nt times and nj joints.
 
     Attributes:
-        name: name of the motion in words.
         time: (nt,) times, ascending [s].
         body: (nt, 4, 2) corners of the main body, in order round the body [m].
         panels: a polyline (nt, k, 2) for each panel, from its inner hinge to its tip [m].
@@ -61,13 +60,13 @@ class Chart:
     Attributes:
         title: quantity that the chart shows.
         x, y: names of the axes with units.
-        lines: lines of the chart.
         over_time: whether x is the time [s]; the page's time slider then moves a vertical line along it.
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
         polar: whether y is the radius, and x the angle [deg]; the axis name `y` is then the unit alone.
         limits: limits of y; by default the lines set them.
-        bars: names of horizontal bars from the top; empty if the chart has no bars. Name k stands at y = k. A line
-            draws its bar there between two points with this y, or slightly more; a point with x = nan ends the bar.
+        bars: labels of the rows, from the top, if the lines are horizontal bars; otherwise empty. Row k is at y = k.
+            A line has three points for each of its bars: the bar's two ends, and one with x = nan as a gap before the
+            next bar. The bars of a second line may lie at a slightly greater y, below the bars of the first.
     """
 
     title: str
@@ -96,7 +95,6 @@ class Page:
     """A page with motions, charts and tables.
 
     Attributes:
-        title: subject of the page.
         answer: sentences at the top, which state the result.
         motions: motions side by side, moved by one slider.
         charts, tables: charts and tables below the motions.

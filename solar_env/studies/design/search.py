@@ -111,15 +111,16 @@ def answer(design: Design) -> list[str]:
         )
         figure, before = (rounded(p.figures[plan.least], p.scatter) for p in (confirmed, best))
         lines.append(
-            f"{values}: {least.name} {figure} {least.unit}{kept}, by fresh runs at the finest level ({before} "
-            f"{least.unit} at {design.level.name}); as it is, the array has {shortened(now, 3)} {least.unit}."
+            f"{values}: {least.name} {figure} {least.unit}{kept}, by fresh runs at the finest level; at "
+            f"{design.level.name} it is {before} {least.unit}, and {shortened(now, 3)} {least.unit} as the array is."
         )
         hinges = motorization(weakest(plan.parameters(best.values), plan.array.randomize))
         lines.append(f"Motorization of this design: {listed(hinges)}.")
+        driven = all(hinge.ratio[0] >= 1.0 for hinge in hinges)
         if confirmed.failing:
             lines.append(f"At the finest level this design fails ({confirmed.failing}): ask for more than you need.")
         shares = {change.label: change.share(best.values[change.name]) for change in plan.changes}
-        if edges := [label for label, share in shares.items() if share in (0.0, 1.0)]:
+        if driven and (edges := [label for label, share in shares.items() if share in (0.0, 1.0)]):
             lines.append(f"It lies at the end of the range of {' and '.join(edges)}; a wider one may hold better ones.")
     failing = Counter(point.failing for point in design.points if point.failing)
     told = ", ".join(f"{reason}: {count}" for reason, count in failing.most_common())

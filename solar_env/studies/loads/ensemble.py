@@ -42,8 +42,7 @@ GEOMETRIES = {
 class LoadsPlan:
     """Plan of an ensemble of deployments: the array, the model level, the number of runs, and when the runs end.
 
-    Raises:
-        ValueError: on construction, for a value out of range, or for ideal joints, which have no impacts.
+    A value out of range raises a ValueError, and so does a model with ideal joints, which have no impacts.
     """
 
     array: ParameterFile  # parameters, and ranges of sampled ones
@@ -89,7 +88,10 @@ class LoadsPlan:
         return (level, self.array), (finest, self.array), *((level, form) for form in self.forms.values())
 
     def cell(self, level: Level, parameters: ArrayParameters, ranges: Ranges, member: int) -> Cell:
-        """Return a run's arguments as a record for JSON; ensemble member `member` draws parameters from `ranges`."""
+        """Return the arguments of one simulation, with the panel model and tolerance of `level`, as a record for JSON.
+
+        Ensemble member 0 takes the `parameters`; other members replace the ones named in `ranges` by random samples.
+        """
         return {
             "model": level.model,
             "tighter": level.tighter,
@@ -148,8 +150,7 @@ class Loads:
 def measure_loads(plan: LoadsPlan, folder: Path, workers: int, console: Console) -> Loads:
     """Simulate the ensemble on `workers` processes, and return its results; runs stored in `folder` are not repeated.
 
-    Raises:
-        ValueError: if the folder holds another ensemble, or no run latches all joints.
+    Raise a ValueError if the folder holds another ensemble, or no run latches all joints.
     """
     cells = [
         plan.cell(level, array.parameters, array.randomize, member)
@@ -192,9 +193,7 @@ def gathered(plan: LoadsPlan, results: Sequence[Result]) -> Loads:
     """Return an ensemble's statistics, shock spectra and sensitivities, computed from its runs' results.
 
     `results` hold each member's runs in turn: chosen level, finest, other contact laws. A failed run drops its member.
-
-    Raises:
-        ValueError: if no run latches all joints, or too many runs have failed.
+    Raise a ValueError if no run latches all joints, or too many runs have failed.
     """
     failed: dict[str, str] = {}
     for run in results:

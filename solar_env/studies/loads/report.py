@@ -34,17 +34,17 @@ def answer(loads: Loads, before: Sequence[str] = ()) -> list[str]:
     joint, deepest = worst["wear_depth"]
     deployments = WEAR_LIMIT / deepest.mean if deepest.mean > 0.0 else math.inf
     scatter = loads.plan.members >= FEWEST and not loads.plan.array.randomize
-    alone = " Intervals (\u00b1) are of an assumed scatter of the release alone: give tolerances in the file."
+    alone = "Intervals (\u00b1) are of an assumed scatter of the release alone: give tolerances in the file. "
     negligible = "which is negligible: " if deployments > MANY_DEPLOYMENTS else ""
     (stopped, _), (fastest, rate), (bent, moment) = (
         worst[name] for name in ("latch_torque", "latch_rate", "peak_torque")
     )
     return [
-        f"The latch of {stopped} takes the greatest torque, on which a hinge is sized: {stated['latch_torque']}; "
+        (alone if scatter else "")
+        + f"The latch of {stopped} takes the greatest torque, on which a hinge is sized: {stated['latch_torque']}; "
         f"{fastest} latches fastest, at {_with_interval(rate, QUANTITIES['latch_rate'])}; the root of the panel of "
         f"{bent} is bent hardest, by {_with_interval(moment, QUANTITIES['peak_torque'])}; the hub turns by "
-        f"{hub['hub_excursion']} at most ({errors['hub_excursion']}) and is accelerated by {hub['hub_acceleration']}."
-        + (alone if scatter else ""),
+        f"{hub['hub_excursion']} at most ({errors['hub_excursion']}) and is accelerated by {hub['hub_acceleration']}.",
         *before,
         f"The pin of {worst['peak_force'][0]} is hit hardest: {stated['peak_force']}; {_forms(loads)}.",
         f"Within {loads.plan.window:g} s of the last latching {worst['impulse'][0]} exchanges most momentum: "
@@ -90,7 +90,8 @@ def _forms(loads: Loads) -> str:
         told.append(f"{force} at {name} by the contact law of {contact}")
         means.append(figures[joint].mean)
     low, high = (shortened(end) for end in (min(means), max(means)))
-    return f"{', '.join(told)}: the model form leaves it between {low} and {high} N"
+    size = "size on the greatest, or measure bracket_stiffness and take contact_law = bracket"
+    return f"{', '.join(told)}: the model form leaves it between {low} and {high} N ({size})"
 
 
 def what_changes(loads: Loads) -> str:

@@ -140,21 +140,33 @@ def one_at_a_time(runs: Mapping[Shift | None, Result], alike: Mapping[str, Array
     return Sensitivity(False, effects)
 
 
+def _drawn(ranges: Ranges) -> list[tuple[str, int | None]]:
+    """List the sampled values as (parameter, index of the joint), with None for a parameter that is not by joint."""
+    return [
+        (name, j if isinstance(low, tuple) else None)
+        for name, (low, high) in ranges.items()
+        for j in np.flatnonzero(np.subtract(high, low)).tolist()
+    ]
+
+
+def fewest_runs(ranges: Ranges) -> int:
+    """Return the least number of runs from which a regression finds the effects of all values sampled from `ranges`."""
+    return len(_drawn(ranges)) + 3
+
+
 def regression(ranges: Ranges, members: Sequence[ArrayParameters], values: Mapping[str, Array]) -> Sensitivity:
     """Return a `Sensitivity`: 95 % intervals of standardised coefficients when quantities are regressed on parameters.
 
     `ranges` are the ranges of the sampled parameters, `members` the parameters of each ensemble member, and `values`
     the (members, joints) values of each quantity, nan where unknown.
     """
-    columns: dict[str, Array] = {}
-    for name, (low, _) in ranges.items():
-        for j in range(len(low)) if isinstance(low, tuple) else (None,):
-            drawn = np.array([member.entries(name)[j or 0] for member in members])
-            if np.ptp(drawn) > 0.0:
-                columns[name if j is None else f"{name}, joint {j + 1}"] = drawn
-    fewest = len(columns) + 3
-    if len(members) < fewest:
-        return Sensitivity(True, {}, f"{len(columns)} parameters are drawn, which takes {fewest} runs or more (--runs)")
+    columns = {
+        name if j is None else f"{name}, joint {j + 1}": np.array([member.entries(name)[j or 0] for member in members])
+        for name, j in _drawn(ranges)
+    }
+    if len(members) < (fewest := fewest_runs(ranges)):
+        reason = f"{len(columns)} values are drawn, whose effects take {fewest} runs or more (--runs)"
+        return Sensitivity(True, {}, reason)
     effects = {quantity: tuple(_regressed(columns, y) for y in table.T) for quantity, table in values.items()}
     return Sensitivity(True, effects)
 

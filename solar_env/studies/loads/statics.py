@@ -14,6 +14,7 @@ from solar_env.array.motorization import FACTORS, MARGIN, UNHURRIED, listed, mot
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.analysis.linearization import natural_modes
 from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.studies.loads.sensitivity import OF_THE_LAWS
 
 _LEVEL = "flexible-ideal:8 elements"  # level whose first frequencies are right in all digits shown
 _RIGID_MOTIONS = 3  # rigid motions of an array whose hub is free
@@ -56,17 +57,23 @@ def first_modes(parameters: ArrayParameters, held: bool) -> Modes:
 
 
 def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> list[str]:
-    """Return two sentences: ratios of the hinges' driving to required torques, and natural frequencies when deployed.
+    """Return sentences on driving and required torques, natural frequencies when deployed, and default values.
 
     Raises:
         ValueError: `factors`, changes to the uncertainty factors FACTORS, has an unknown name or a value not above 0.
     """
     used = {**FACTORS, **(factors or {})}
     counted = ", ".join(f"{name} {value:g}" for name, value in used.items())
-    parameters = array.parameters
+    parameters, default = array.parameters, ArrayParameters()
+    kept = [
+        name
+        for name in ArrayParameters.CONTINUOUS
+        if name not in OF_THE_LAWS and any(default.entries(name)) and default.entries(name) == parameters.entries(name)
+    ]
     found = motorization(weakest(*array), factors)
     hinges = listed(found)
-    if all(math.isinf(hinge.ratio[0]) for hinge in found):
+    unhindered = all(math.isinf(hinge.ratio[0]) for hinge in found)
+    if unhindered:
         hinges = "no friction, harness or damper is given, and no hinge has anything to overcome"
     latched = " and latched" if all(parameters.for_each_joint("latching")) else " and held at its stops"
     loops = "with its cable loops " if len(found) > len(parameters.joints) else ""
@@ -74,9 +81,13 @@ def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> l
         ", ".join(dict.fromkeys(f"{frequency:.3g}" for frequency in first_modes(parameters, held).frequencies))
         for held in (True, False)
     )
+    absent = " No hinge friction or harness torque is given, and none is counted."
+    given = any(parameters.for_each_joint("hinge_friction_torque")) or any(parameters.harness_torque)
     return [
-        f"Motorization: {hinges} (springs and resistances at the worst ends of the drawn ranges, {MARGIN:g} times the "
-        f"resistances, with the uncertainty factors of ECSS-E-ST-33-01C: {counted}; dampers at the rate of an opening "
-        f"in {UNHURRIED:g} s; without the friction of the pins).",
+        f"Motorization: {hinges} (1 is enough: driving torque divided by {MARGIN:g} times the resistances, springs "
+        f"and resistances at the worst ends of the drawn ranges, and the uncertainty factors of ECSS-E-ST-33-01C for "
+        f"resistances: {counted}; dampers at the rate of an opening in {UNHURRIED:g} s; without the friction of the "
+        f"pins).{'' if given or unhindered else absent}",
         f"Deployed{latched}, {loops}the array vibrates at {held} Hz with its hub held, at {free} Hz with it free.",
+        *([f"These values are the default array's; check that they are yours: {', '.join(kept)}."] if kept else []),
     ]

@@ -186,7 +186,7 @@ def window_forces(motion: Trajectory) -> Array:
 
 
 def window_force(motion: Trajectory, joint: int) -> float:
-    """Return the mean of the greatest forces [N] in 0.25 s windows after latching: about the height of a force plot."""
+    """Return a joint's greatest contact force [N] in a 0.25 s window, averaged over windows after the last latching."""
     return float(window_forces(motion)[joint].mean())
 
 

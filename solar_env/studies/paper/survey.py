@@ -111,7 +111,10 @@ def as_rows(findings: Iterable[Finding]) -> list[Row]:
 
 
 def summary(findings: Sequence[Finding]) -> str:
-    """Return two sentences on how many claims agree with the paper."""
+    """Return a text on how many of the paper's claims our simulations confirm; a `Finding` is the verdict on a claim.
+
+    The second sentence counts the claims that parameters were chosen to meet.
+    """
     free = [finding for finding in findings if not finding.claim.by_construction]
     agreeing = sum(finding.agrees for finding in free)
     chosen = len(findings) - len(free)

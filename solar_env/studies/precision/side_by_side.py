@@ -93,9 +93,10 @@ def _job(plan: ChartPlan, case: Case) -> Job:
 
 
 def runs(plan: ChartPlan) -> dict[Case, Job]:
-    """Return a mapping from `Case` to `Job`, a run to be timed: each model's reference run, and runs of all methods.
+    """Return a mapping from `Case` (model, method, setting, ensemble member) to `Job`, a run to be timed.
 
-    With clearance, ensembles of our runs and Exudyn runs that record forces are added, to compare peak forces.
+    Each model has a reference run, and runs with methods of this library and of Exudyn. A model with clearance also has
+    ensembles of this library's runs, and runs of Exudyn that record contact forces, to compare peak forces.
     """
     cases: list[Case] = []
     for model in plan.models:
@@ -194,10 +195,7 @@ def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
 
 
 def _conclusion(rows: Table) -> str:
-    """Return a title that states, for each model, the least ratio of Exudyn's wall time to this library's.
-
-    Each of Exudyn's runs is compared with this library's fastest run whose errors are no larger.
-    """
+    """Return a title with each model's least `ratio_at_equal_error` of Exudyn's wall time to this library's."""
     least: dict[str, float] = {}
     for row in rows.where(peer=1).rows:
         ratio = ratio_at_equal_error(rows, row)

@@ -169,7 +169,7 @@ def test_an_observation_that_is_none_is_refused_by_name():
         (["theta", "rates"], "rates.*rate"),
         (["theta", "theta_0_ago"], "theta_0_ago"),
         (["theta_101_ago"], "theta_101_ago.*at most 100"),
-        (["rate_2"], "rate_2.*no number: 'rate' observes all joints"),
+        (["rate_2"], "rate_2.*leave out the number, 'rate' observes all joints"),
         ([], "at least one"),
         ([3], "3.*theta"),
     ):

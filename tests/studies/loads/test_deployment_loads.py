@@ -200,7 +200,7 @@ def test_a_few_lines_answer_and_tables_hold_every_quantity(loads):
     assert "4 runs of each level" in lines[5]
     assert "clearance" in lines[5]
     assert what_changes(loads) == (
-        "What changes the figures is not known: 2 parameters are drawn, which takes 5 runs or more (--runs)."
+        "What changes the figures is not known: 2 values are drawn, whose effects take 5 runs or more (--runs)."
     )
     names = [row[0] for table in tables(loads)[:2] for row in table.rows]
     of_forms = [f"peak pin force, contact law of {contact}" for contact in loads.plan.forms]
@@ -231,7 +231,7 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
         "The pin of joint 1 is hit hardest: 222 \u00b1 8 N, 99 % of deployments stay below 270 N (with 95 % confidence "
         "below 290 N), discretisation error +10 \u00b1 11 N; 780 \u00b1 50 N at joint 1 by the contact law of a "
         "cylinder in its bush, 178 \u00b1 8 N at joint 1 by the contact law of bracket and bush: the model form leaves "
-        "it between 180 and 780 N."
+        "it between 180 and 780 N (size on the greatest, or measure bracket_stiffness and take contact_law = bracket)."
     )
     assert impulse == (
         "Within 0.5 s of the last latching joint 2 exchanges most momentum: 55.02 \u00b1 0.08 N s, 99 % of deployments "

@@ -42,7 +42,7 @@ def test_a_figure_of_one_parameter_alone_is_explained_and_a_constant_one_is_not(
     assert (alone.ranking, alone.explained) == (["body_mass"], pytest.approx(1.0))
     assert constant.ranking == []
     few = regression(RANGES, members[:5], {"impulse": mass[:5]})
-    assert (few.effects, few.missing) == ({}, "3 parameters are drawn, which takes 6 runs or more (--runs)")
+    assert (few.effects, few.missing) == ({}, "3 values are drawn, whose effects take 6 runs or more (--runs)")
 
 
 def test_shifts_are_of_every_parameter_that_changes_the_model():

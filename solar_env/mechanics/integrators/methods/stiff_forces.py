@@ -166,9 +166,10 @@ def collect(model, state, work, stiff, h):
 def separate_motions(stiff, count):
     """Compute velocities at which one contact's depth changes at unit rate, and the other contacts' depths do not.
 
-    `stiff` lists `count` lasting contacts. Row k of `stiff.motion` gets the velocities for contact k: a combination of
-    the rows of `stiff.response`, whose products with the depths' gradients form `stiff.matrix`. This matrix is replaced
-    by its factors. Return False if it is singular.
+    `stiff` lists `count` lasting contacts. Row k of `stiff.response` has the accelerations due to a unit force in
+    contact k. Element [i, k] of `stiff.matrix` is the scalar product of this row and the gradient of contact i's depth;
+    the matrix is replaced by its LU factors. Row k of `stiff.motion` gets the velocities for contact k, which are a
+    linear combination of the rows of `stiff.response`. Return False if the matrix is singular.
     """
     if not lu_factor(stiff.matrix, count):
         return False

@@ -35,7 +35,7 @@ class Motorization:
         angles: joint angles from the folded position to the lock [rad].
         driving: sum of the opening torques of spring, harness and weight [N m].
         resisting: sum of the resistances [N m].
-        asked: driving torque that the standard requires [N m].
+        asked: driving torque that ECSS-E-ST-33-01C requires [N m].
     """
 
     name: str

@@ -75,7 +75,7 @@ class Canvas:
         self._pen.line(_enlarged(points), fill=colour, width=max(1, round(width * SUPERSAMPLING)), joint="curve")
 
     def polygon(self, points: ArrayLike, colour: str) -> None:
-        """Fill a polygon with corners (k, 2)."""
+        """Fill a polygon whose corners are `points` (k, 2)."""
         self._pen.polygon(_enlarged(points), fill=colour)
 
     def card(self, box: tuple[int, int, int, int]) -> None:

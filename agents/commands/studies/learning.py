@@ -104,7 +104,7 @@ def _steps(folder: Path) -> int:
 
 
 def _rows(args: Args, out: Path) -> Iterator[Row]:
-    """Yield table rows with returns: one per validation of a finished training run, one per torque law (steps NaN)."""
+    """Yield a row of mean returns per validation of each finished training run, and per torque law (no steps: NaN)."""
     for scene, (env_id, keywords) in SCENES.items():
         folders = [(algo, seed, _folder(out, algo, scene, seed)) for algo in LENGTHS for seed in SEEDS]
         trained = [(algo, seed, folder) for algo, seed, folder in folders if (folder / PACE).is_file()]

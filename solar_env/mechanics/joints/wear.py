@@ -40,7 +40,7 @@ def share_below(angle, wide, narrow):
 
 @kernel
 def add_wear(depths, angle, pressed, moved, section, radius):
-    """Add worn material to the bins of a surface on which a pressed arc moves along a second arc in a step.
+    """Add the wear of a step to a surface's bins: a pressed arc wears all places that it passes as its middle moves.
 
     Bin b of `depths` (bins,) [m] spans [b, b + 1) * 2 pi / bins in the surface's frame.
 

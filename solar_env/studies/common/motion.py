@@ -106,7 +106,7 @@ class Level:
 
     @property
     def panels(self) -> ModelLevel:
-        """Kind of panels and joints that the attribute `model` names."""
+        """`ModelLevel` of the name `model`: rigid or flexible panels, ideal joints or clearance, modes or elements."""
         return ModelLevel.of(self.model)
 
     @property

@@ -163,7 +163,8 @@ FULL = LadderPlan()
 def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
     """Simulate every run of a plan, and call `announce` with a run's name before the run starts.
 
-    Return a table row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
+    Return a table row for every question (key of `QUESTIONS`, such as "wear") and model level, with the columns of
+    `solar_env.array.ladder.Answer`.
     """
     done: dict[bool, dict[Level, list[Outcome]]] = {
         controlled: {level: [] for level in plan.levels} for controlled in (False, True)

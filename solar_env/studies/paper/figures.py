@@ -81,7 +81,7 @@ def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]
 
 
 def _last_turn(motion: Trajectory) -> dict[str, Array]:
-    """Return means of crank moment [N m] and rocker speed [rad/s] between neighbouring samples of the last turn."""
+    """Return arrays of crank moment [N m] and rocker speed [rad/s] between the samples of the crank's last turn."""
     work = motion.energies["external_work"][-SAMPLES_PER_TURN - 1 :]
     speed = motion.rates[-SAMPLES_PER_TURN - 1 :, -1]
     return {

@@ -56,8 +56,8 @@ def error_count(task: TaskNumbers) -> int:
 def make_periods(lanes: int, motors: int, errors: int, terms: int, exact: NDArray[np.float32]) -> Periods:
     """Allocate `Periods` (actions, times and results of a control period) for a batch of `lanes` environments.
 
-    Each has `motors` motors, `terms` reward terms, and at most `errors` drive samples in a step, see `error_count`.
-    Kernels will write observations without sensor effects to `exact` (lanes, measured).
+    Each has `motors` motors and `terms` reward terms. `errors` is the greatest number of random errors that a motor's
+    measured rate has in an environment step (`error_count`). `exact` (lanes, measured) will take exact observations.
     """
     return Periods(
         np.zeros((lanes, motors)),

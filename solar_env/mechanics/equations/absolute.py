@@ -70,7 +70,7 @@ class AbsoluteCoordinates(Formulation):
         return motions @ momentum
 
     def centreline(self, model: Model, q: Array, body: int, points_per_element: int) -> Array:
-        """Return points (..., k, 2) [m] along a body's axis, as computed by the body's kind."""
+        """Return points (..., k, 2) [m] along a body's axis; their number k depends on the kind of body."""
         row = model.bodies[body]
         first = int(row["offset"])
         of_body = q[..., first : first + int(row["coordinates"])]

@@ -106,7 +106,8 @@ def first_event(model, state, settings, arrays, h):
 def is_passed(model, state, settings, arrays, j, kind, h, sign):
     """Return whether a step `h` [s] ends beyond (`sign` 1) or before (-1) the contact, latching or stop of joint `j`.
 
-    `kind` selects the event; `arrays` hold the motion. Up to 1e-6 rad or a millionth of the clearance count as neither.
+    `kind` selects the event; `arrays` hold the motion. An end within 1e-6 rad, or a millionth of the clearance, of the
+    event is neither beyond nor before it.
     """
     tolerance = _TOLERANCE * (model.joints[j].clearance if kind == CONTACT_START else 1.0)
     return sign * event_function(model, state, settings, arrays, j, kind, h, 1.0) > tolerance

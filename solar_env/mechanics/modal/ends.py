@@ -150,7 +150,7 @@ def shorten_ends(panel):
 
 @kernel
 def in_all_lanes(value, rate):
-    """Return a vector of eight numbers for a motion equal at all stages: `value` four times, `rate` four times."""
+    """Return a vector of `value` four times and `rate` four times: a motion equal at all stages of a step."""
     return joined(splat4(value), splat4(rate))
 
 

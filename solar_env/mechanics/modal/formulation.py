@@ -127,7 +127,7 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
     parts = [slice(*pair) for pair in itertools.pairwise(panels.first)]
 
     def beyond(group: int, lowest: int) -> Array:
-        """Return the part of the first end's motion (..., 2) due to all modes of a group except the first `lowest`.
+        """Return the first end's motion (..., 2) due to the modes of kind `group`, except the first `lowest` modes.
 
         It is (deflection, slope) in bending, (displacement, 0) axially. The enclosing `amplitudes` are (..., modes).
         """

@@ -114,7 +114,7 @@ def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64
 
 @kernel
 def enter(x, place, value):
-    """Set entry `place` of a vector `x` (blocks, BLOCK) to `value`; do nothing for -1 (unknown not solved for)."""
+    """Set entry number `place` of a vector, stored in blocks as `x` (blocks, BLOCK), to `value`; -1 does nothing."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] = value
 

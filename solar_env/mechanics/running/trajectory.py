@@ -128,7 +128,7 @@ class Trajectory:
 
     @property
     def wear_depth(self) -> Array:
-        """Greatest wear depth of journal or bearing (nj,) [m]."""
+        """Depth [m] of the deepest wear at the end, on journal or bearing, whichever is deeper: (nj,)."""
         return np.maximum(self.wear_journal.max(axis=1), self.wear_bearing.max(axis=1))
 
     def summary(self) -> dict[str, object]:

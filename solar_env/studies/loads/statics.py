@@ -57,7 +57,7 @@ def first_modes(parameters: ArrayParameters, held: bool) -> Modes:
 
 
 def statics(array: ParameterFile, factors: Mapping[str, Any] | None = None) -> list[str]:
-    """Return sentences on driving and required torques, natural frequencies when deployed, and default values.
+    """Return sentences on driving and required torques, natural frequencies, and parameters left at their defaults.
 
     Raises:
         ValueError: `factors`, changes to the uncertainty factors FACTORS, has an unknown name or a value not above 0.

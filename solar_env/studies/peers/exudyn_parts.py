@@ -176,7 +176,7 @@ class PeerArray(ABC):
 
 
 def _stop_expression(stop: Stop, lock: float) -> Callable[..., Value]:
-    """Return an Exudyn user function: torque of a two-sided stop at `lock` [rad], with the sign of angle - `lock`."""
+    """Return an Exudyn user function for the torque of a two-sided stop at `lock` [rad]; positive beyond `lock`."""
     symbolic = exudyn.symbolic
 
     def one_side(depth: Value, closing_rate: Value) -> Value:

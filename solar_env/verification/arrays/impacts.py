@@ -122,7 +122,7 @@ def impacts(
 
 
 def _compared(name: str, number: int, at_least: int, left_out: float) -> Iterator[Check]:
-    """Yield checks, labelled `name`, that `number` impacts reach `at_least`, and that `left_out` is 0.01 or less."""
+    """Yield checks that enough impacts, `number`, were compared, and that a fraction `left_out` <= 0.01 was not."""
     missing = max(at_least - number, 0)
     yield Check(f"{name}: impacts compared: {number}, at least {at_least}", 0.0, missing, 0.0, _ALONE)
     quantity = f"{name}: share of the impacts left out, where surfaces part for a moment in one of the two runs alone"

@@ -49,7 +49,7 @@ class ShockSpectrum:
             self._add(k, history)
 
     def finish(self) -> Array:
-        """Let each oscillator ring for a period without load; return the greatest magnitudes (frequencies, channels)."""
+        """Let each oscillator ring for a period without load; return greatest magnitudes (frequencies, channels)."""
         for k, period in enumerate(self._periods):
             self._add(k, np.zeros((period, *self.peaks.shape[1:], 2)))
         return self.peaks

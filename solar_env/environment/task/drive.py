@@ -144,9 +144,9 @@ def numbers_of(lanes, lane):
 
 @kernel
 def asked_rate(motor, memory, action):
-    """Advance u, `memory[LOG_RATIO]`, by a sample towards REACH * `action`; return the requested rate [rad/s].
+    """Let u, `memory[LOG_RATIO]`, follow 4.5 times the action with a lag; return the requested rate [rad/s].
 
-    It is `motor.cruise` times exp(u) if u is negative, or times 1 + HASTE * u if u is positive.
+    It is `motor.cruise` times exp(u) if u is negative, or times 1 + 0.05 u if u is positive (REACH, HASTE).
     """
     memory[LOG_RATIO] += motor.lag_response * (REACH * action - memory[LOG_RATIO])
     u = memory[LOG_RATIO]

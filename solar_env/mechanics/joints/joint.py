@@ -73,9 +73,9 @@ def joint_motion(joint, markers, q, v):
 def joint_torques(model, joint_states, q, v, loads, force, power):
     """Write each joint's angle, rate, both bodies' spins and torques to `loads`, and the torques' powers to `power`.
 
-    `joint_forces` later adds the torques in `loads` to the generalized `force` (n,). If a cable loop pulls on the
-    bearings, or the body between its joints bends, it acts on this body not by torques but by forces at the joints.
-    These forces are added to `force` here, and the torques on it that `joint_forces` will add are subtracted.
+    `joint_forces` later adds the torques in `loads` to the generalized `force` (n,). For some cable loops this is not
+    right: if the loop pulls on the bearings, or the panel between its joints bends, the loop loads this panel by forces
+    at the joints. These forces are added to `force` here, and the torques on the panel are subtracted in advance.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):

@@ -175,8 +175,10 @@ def sum_ends(panels, panel, d, q, v):
 def take_rest(panels, panel, d, group, r, moved):
     """Subtract bending mode `r`'s part from the end deflection and slope that `panel.low[group]` holds.
 
-    They are rows after the lowest modes' amplitudes. After subtracting all, the higher modes' part remains. `moved`
-    (8,) has mode `r`'s amplitudes and rates at a step's stages. `d` is the panel's design, an index into `panels`.
+    `panel.low[group]`, with `group` 0 for even and 1 for odd bending, has a row of amplitudes for each of the lowest
+    modes, then a row of deflections and a row of slopes. Once all lowest modes are subtracted, these two rows hold the
+    part of the higher modes. `moved` (8,) has mode `r`'s amplitudes, then its rates, at a step's stages. `d` is the
+    panel's design, an index into `panels`.
     """
     for i in range(VALUES):
         rest = panel.low[group, panels.coupled[group] + i]

@@ -69,7 +69,7 @@ def set_load(state, k, load):
 
 @kernel(inlined=False)
 def start_loads(model, state, work):
-    """Fill `state` with the motion, joint torques and cable loads that follow from its coordinates and velocities."""
+    """Compute joint angles, contact depths and loads from coordinates and velocities, and write them to `state`."""
     look_at(model, state.q, state.v, work)
     start_from_end(model, state, state.q, work)
     note_extremes(model, state, work, state.v)

@@ -106,7 +106,10 @@ def foresee(state, work, h):
 
 @kernel
 def continue_course(foreseen, course, stage):
-    """Extrapolate a load from the last step's stages, `course`, to `stage` (4,) by the weights `foreseen` (3, 4)."""
+    """Extrapolate a load to a new step: write first guesses at its three stages, the last one twice, to `stage` (4,).
+
+    `course` (3,) has the load at the stages of the step before, `foreseen` (3, 4) the weight of each old stage.
+    """
     total = course[0] * load4(foreseen[0], 0)
     for k in range(1, STAGES):
         total = total + course[k] * load4(foreseen[k], 0)

@@ -344,11 +344,13 @@ def add_mode(shapes, frequency, answer, group, k, responses):
     """Add mode `k` to the motion of a panel's first end per unit load there, in the record `responses`.
 
     `group` is the mode's kind: even or odd, bending or axial. `shapes[:, k]` are its end values, deflection and slope
-    or axial displacement. `answer` has its motion in a step per unit modal load, and errors of its free vibration at
-    the step's end, which vanish if the step resolves the vibration. `responses.response[group, i, j]` (24,), the motion
-    of end value i due to load j, gets this motion times `shapes[i, k]` and `shapes[j, k]`. `responses.unresolved` has
-    the number of modes with errors. A constant load holds a deflection, load / `frequency`^2, which does not vibrate.
-    The errors of end value 0 from this start value, per unit load j, are subtracted from `responses.held[:, group, j]`.
+    or axial displacement. `answer` has the mode's motion in a step per unit modal load. Times `shapes[i, k]` and
+    `shapes[j, k]`, this motion is added to `responses.response[group, i, j]` (24,), end value i due to load j.
+
+    `answer` also has the errors that the step makes in the mode's free vibration; they are 0 if the step resolves the
+    vibration. `responses.unresolved` counts the modes with errors. The static deflection under a constant load, load /
+    `frequency`^2, does not vibrate: its share of the errors is subtracted in `responses.held[:, group, j]`, per unit
+    load j.
     """
     for i in range(values_of(group)):
         for j in range(values_of(group)):
@@ -364,11 +366,12 @@ def add_mode(shapes, frequency, answer, group, k, responses):
 
 @kernel
 def join_groups(responses):
-    """Write the motion of both panel ends per unit load on the first end to `responses.ends` (2, 4, 24).
+    """Compute a panel's motion at both ends from its even and odd modes, and write it to `responses.ends`.
 
-    The axes are the moving end; the kind of response, such as slope by moment; and the motion's values and rates at the
-    stages, for a unit load at each stage in turn. The motions of even and odd modes are added at the first end, and by
-    symmetry subtracted at the second end.
+    A unit load acts on the first end. There the motions of even and odd modes in `responses.response` are added; at
+    the second end, by symmetry, they are subtracted. The axes of `ends` (2, 4, 24) are: the end; the kind of response,
+    displacement along or across the panel, slope due to a force, or slope due to a moment; and for a load at each of
+    the three stages in turn, four values and four rates at the stages (the last one twice).
     """
     for product, group, i, j in (
         (ALONG_ALONG, AXIAL_EVEN, 0, 0),

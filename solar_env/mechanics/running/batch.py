@@ -139,7 +139,7 @@ class Batch:
 
     @cached_property
     def address(self) -> int:
-        """Address in this process at which compiled code calls `advance_lanes` for the simulations of this batch."""
+        """Address of the function `advance_lanes`, compiled for this batch's arrays, for calls from compiled code."""
         return address_of(advance_lanes, *self._arguments(0, np.zeros(0, np.int64)), np.zeros(0))
 
     def run(self, kernel: Callable, lanes: NDArray[np.int64], *further: Any) -> dict[int, SimulationError]:

@@ -219,7 +219,7 @@ def tables(loads: Loads) -> list[Table]:
 
 
 def _changes(loads: Loads) -> Iterator[Table]:
-    """Yield a table, if effects are known: parameters that change each quantity most, where its mean is greatest."""
+    """Yield a table of the three parameters that change each quantity most at its worst joint, if effects are known."""
     ranks = ("most", "then", "then")
     rows = []
     for name, by_joint in loads.sensitivity.effects.items():

@@ -71,10 +71,10 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
     """Compute 2 x 2 derivatives of the axial force conjugate to r' = dr/ds at a quadrature point of `lanes` elements.
 
     They go to four rows (xx, xy, yx, yy) of `stiffness`, with respect to r', and of `viscosity`, with respect to the
-    rate of r'. Such a row has COLUMNS numbers, one per beam element. The twelve rows of `table` are x and y of chord,
-    first and second end slope, then their rates. `point` has seven numbers: r' is the chord times the first, plus the
-    end slopes times the next two, and the last is the quadrature weight. The three rows of `constants`, E A L [N m],
-    E I / L [N m] and retardation time [s], have LANES numbers each.
+    rate of r'. All arrays have one column per beam element. The twelve rows of `table` are x and y of chord, first and
+    second end slope, then their rates. Of the numbers in `point`, r' is the chord times the first, plus the end slopes
+    times the next two; the last is the quadrature weight; the others are for bending. The three rows of `constants` are
+    E A L [N m], E I / L [N m] and retardation time [s].
     """
     d, a, b, _, _, _, w = point
     for i in range(lanes):

@@ -206,10 +206,11 @@ def gathered(plan: LoadsPlan, results: Sequence[Result]) -> Loads:
     unlatched = [sum(not run["latched"] for run in runs) for runs in levels]
     if min(unlatched) == len(whole):
         raise ValueError(_never(plan, f"in none of {plan.members} runs"))
-    figures = {}
+    figures, values = {}, {}
     for name in QUANTITIES:
         level, finest = (np.array([run["quantities"][name] for run in runs], dtype=float) for runs in levels)
-        figures[name] = tuple(figure_of(*values) for values in zip(level.T, finest.T, strict=True))
+        values[name] = level
+        figures[name] = tuple(figure_of(*pair) for pair in zip(level.T, finest.T, strict=True))
     both = [k for k in range(len(whole)) if levels[0][k]["latched"] and levels[1][k]["latched"]]
     hinge, hub = (
         np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
@@ -217,10 +218,9 @@ def gathered(plan: LoadsPlan, results: Sequence[Result]) -> Loads:
     said = Counter(text for runs in whole for run in runs for text in run["warnings"])
     this, _, *others = (np.array([runs[k]["quantities"]["peak_force"] for runs in whole], float) for k in range(stride))
     forms = {
-        contact: tuple(figure_of(*values) for values in zip(other.T, this.T, strict=True))
+        contact: tuple(figure_of(*pair) for pair in zip(other.T, this.T, strict=True))
         for contact, other in zip(plan.forms, others, strict=True)
     }
-    values = {name: np.array([run["quantities"][name] for run in levels[0]], dtype=float) for name in QUANTITIES}
     drawn = [member_parameters(plan.array.parameters, plan.array.randomize, k) for k in members]
     ranges, unknown = plan.array.randomize, Sensitivity(False, {}, "no parameter has been shifted")
     sensitivity = regression(ranges, drawn, values) if ranges else unknown

@@ -53,13 +53,13 @@ class Finding:
         return self.claim.holds(self.median)
 
 
-def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[CaseRun]:
+def planned_runs(members: int = MEMBERS) -> list[CaseRun]:
     """Return all runs that the claims need, first the runs with flexible panels, which take longest.
 
     Each deployment has `members` runs, and up to RANGE_MEMBERS for every other value of a parameter that is left open.
     """
-    runs = [CaseRun(case, member) for claim in claims for case in claim.cases for member in range(members)]
-    for claim in claims:
+    runs = [CaseRun(case, member) for claim in CLAIMS for case in claim.cases for member in range(members)]
+    for claim in CLAIMS:
         for parameter in claim.open_parameters:
             for value in RANGES[parameter]:
                 changes = ((parameter, value),)
